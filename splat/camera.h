@@ -1,0 +1,89 @@
+// Rigid and similarity tracks, and the pinhole camera.
+//
+// Camera space everywhere in Swept: x right, y down, z forward, so depth is z and a pixel's ray is
+// ((x + ½ − cx)/fx, (y + ½ − cy)/fy, 1) with x, y counted from the top left. Files may say OpenGL
+// axes (x right, y up, z backward); the reader converts.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "splat/result.h"
+
+namespace swept {
+
+/// One key of an object's motion: x ↦ translate + rotate(scale · x).
+///
+/// The rotation is an axis and an angle, so that one key to the next may turn by more than half a
+/// revolution: keys that share an axis interpolate the angle, others take the shorter arc (slerp).
+struct TransformKey {
+  double frame = 0.0;
+  Eigen::Vector3d translate = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotate_axis = Eigen::Vector3d::UnitY();  ///< unit length
+  double rotate_radians = 0.0;
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+/// Keys at strictly increasing frames, interpolated linearly and held outside; empty: identity.
+struct TransformTrack {
+  std::vector<TransformKey> keys;
+
+  [[nodiscard]] Eigen::Affine3d at(double frame) const;
+  /// Whether `at` returns the same bits for every time in [first, last].
+  [[nodiscard]] bool constant_over(double first, double last) const;
+};
+
+/// One key of the camera: a pose and the two focal lengths as tangents, so that it does not depend
+/// on the film's pixel count.
+struct CameraKey {
+  double frame = 0.0;
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world space
+  Eigen::Quaterniond world_from_camera{1.0, 0.0, 0.0, 0.0};  ///< unit; camera axes as above
+  double tan_half_fov_y = 0.5;                               ///< tangent of half the vertical field of view
+};
+
+/// How keys are joined: `pose` interpolates eye and orientation (slerp); `look_at` interpolates eye,
+/// target and up and builds the basis at each instant, so that a target stays in the middle.
+struct LookAtKey {
+  double frame = 0.0;
+  Eigen::Vector3d eye{0.0, 0.0, 5.0}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
+  double tan_half_fov_y = 0.5;
+};
+
+/// The camera at one instant.
+struct CameraInstant {
+  Eigen::Affine3d camera_from_world;  ///< rigid
+  double tan_half_fov_y = 0.5;
+};
+
+/// Exactly one of the two lists is non-empty, at strictly increasing frames; held outside.
+struct CameraTrack {
+  std::vector<CameraKey> poses;
+  std::vector<LookAtKey> look_ats;
+  double near = 1e-3;  ///< world units, > 0: what is nearer is not seen
+
+  [[nodiscard]] CameraInstant at(double frame) const;
+  [[nodiscard]] bool constant_over(double first, double last) const;
+  /// Singular bases (eye on target, up along the view), bad fields of view and unsorted keys.
+  [[nodiscard]] Status validate() const;
+};
+
+/// Film resolution and the window of it to compute.
+struct Film {
+  int width = 1024, height = 576;                               ///< px, ≥ 1
+  int crop_x = 0, crop_y = 0, crop_width = 0, crop_height = 0;  ///< px; width 0: the whole film
+
+  [[nodiscard]] int window_width() const { return crop_width > 0 ? crop_width : width; }
+  [[nodiscard]] int window_height() const { return crop_height > 0 ? crop_height : height; }
+};
+
+/// Pixel coordinates from camera-space directions: x_px = center_x + focal_px · x/z, and the same in
+/// y. Pixel (i, j) covers [i, i+1) × [j, j+1) of the whole film; its centre is at i + ½, j + ½.
+struct Projection {
+  double focal_px = 1.0, center_x = 0.0, center_y = 0.0;
+};
+[[nodiscard]] Projection projection_of(const Film& film, double tan_half_fov_y);
+
+}  // namespace swept

@@ -1,0 +1,23 @@
+// What every renderer returns.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace swept {
+
+/// A window of the film: linear, premultiplied RGBA and depth, rows top to bottom.
+struct Image {
+  int x = 0, y = 0, width = 0, height = 0;  ///< window within the film, px
+  int film_width = 0, film_height = 0;
+  std::vector<float> rgba;  ///< 4 per pixel
+  /// Camera-space z, the mean over exposure and surfaces weighted by what each adds to alpha; +∞ where
+  /// nothing is seen.
+  std::vector<float> depth;
+
+  [[nodiscard]] std::size_t pixel_count() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+};
+
+}  // namespace swept

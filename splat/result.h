@@ -1,0 +1,72 @@
+// Errors as values: the library never prints, throws across its API, or exits.
+#pragma once
+
+#include <cassert>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace swept {
+
+/// What went wrong, in the words of the person who has to mend it.
+struct Error {
+  std::string file;    ///< path as the caller gave it; empty if no file is involved
+  std::string field;   ///< JSON pointer, PLY property, option name, ...; may be empty
+  std::string reason;  ///< one sentence without a trailing full stop
+
+  /// "file: field: reason", leaving out what is empty.
+  [[nodiscard]] std::string message() const {
+    std::string text;
+    for (const std::string* part : {&file, &field, &reason}) {
+      if (part->empty()) continue;
+      if (!text.empty()) text += ": ";
+      text += *part;
+    }
+    return text;
+  }
+};
+
+/// A value of type T, or the Error that stood in its way.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+  [[nodiscard]] bool ok() const { return state_.index() == 0; }
+  explicit operator bool() const { return ok(); }
+
+  /// Precondition: ok().
+  T& value() & {
+    assert(ok());
+    return *std::get_if<0>(&state_);
+  }
+  const T& value() const& {
+    assert(ok());
+    return *std::get_if<0>(&state_);
+  }
+  T&& value() && {
+    assert(ok());
+    return std::move(*std::get_if<0>(&state_));
+  }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+
+  /// Precondition: !ok().
+  const Error& error() const {
+    assert(!ok());
+    return *std::get_if<1>(&state_);
+  }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+/// Success carries nothing.
+struct Done {};
+using Status = Result<Done>;
+
+}  // namespace swept

@@ -1,0 +1,65 @@
+// Everything a renderer needs to know, with nothing left to look up in a file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/camera.h"
+#include "splat/surfel.h"
+
+namespace swept {
+
+/// Shutter times in frames relative to the frame being rendered. open == close is a still image.
+struct Shutter {
+  double open = -0.25, close = 0.25;
+};
+
+struct FrameRate {
+  int numerator = 24, denominator = 1;
+};
+
+/// How a surface's silhouette is covered (model section 1.4).
+enum class Coverage {
+  soft,  ///< min(1, Σρ / edge_weight): antialiased
+  hard,  ///< 1 wherever any kernel covers the pixel centre (Heinzle 2010)
+};
+
+/// What the image is. Every method that renders a scene honours all of it, or refuses.
+struct ImageModel {
+  double delta = 3.0;             ///< δ of exp(−δ(u²+v²)); (0, 50]
+  double filter_radius_px = 1.0;  ///< pixel filter's radius at the cut-off; [0, 100], 0: none
+  Coverage coverage = Coverage::soft;
+  double edge_weight = 0.5;      ///< ρ_edge of soft coverage; (0, 1]
+  double depth_tolerance = 1.0;  ///< ternary depth tolerance in units of the filtered disc's radius; [0, 100]
+  int segments = 1;              ///< linear motion segments over the shutter; [1, 4096]
+
+  [[nodiscard]] Status validate() const;
+};
+
+struct Object {
+  std::string name;
+  SurfelCloud cloud;
+  TransformTrack transform;
+  bool two_sided = true;  ///< else a disc is seen only from the side a₁ × a₂ points to
+  int segments = 0;       ///< linear motion segments; 0: as the image model says
+};
+
+struct Scene {
+  double frame =
+      0.0;  ///< the frame this scene was made for; all keys are absolute, the shutter is relative to it
+  Film film;
+  CameraTrack camera;
+  Shutter shutter;
+  FrameRate fps;
+  Eigen::Vector4f background = Eigen::Vector4f::Zero();  ///< linear, premultiplied RGBA
+  ImageModel model;
+  std::vector<Object> objects;
+
+  /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
+  [[nodiscard]] Status validate() const;
+};
+
+}  // namespace swept

@@ -1,0 +1,64 @@
+// Surfels: oriented elliptical Gaussian discs, as structure of arrays.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/result.h"
+
+namespace swept {
+
+/// Where the discs of a cloud are at one instant, in object space.
+///
+/// A disc is {c + u a₁ + v a₂ : u² + v² ≤ 1}; its kernel is exp(−δ(u² + v²)). So |a₁| and |a₂| are
+/// radii at the kernel's cut-off, and a₁ × a₂ is the side that counts as front. The disc does not
+/// change when (a₁, a₂) is rotated within its plane in (u, v).
+struct SurfelPose {
+  std::vector<Eigen::Vector3d> position;  ///< centres; double, so survey coordinates keep their digits
+  std::vector<Eigen::Vector3f> axis_u;    ///< a₁, object-space units
+  std::vector<Eigen::Vector3f> axis_v;    ///< a₂
+
+  [[nodiscard]] std::size_t size() const { return position.size(); }
+};
+
+/// One instant of a keyed cloud. Times are in frames.
+struct SurfelKey {
+  double frame = 0.0;
+  SurfelPose pose;
+};
+
+/// Points and how they move in object space. Every non-empty array has keys.front().pose.size()
+/// entries.
+struct SurfelCloud {
+  /// One key: the points stand still, or follow `velocity` from that key's frame. Several, at
+  /// strictly increasing frames and with equal counts: positions and axes are interpolated linearly
+  /// between keys and held outside.
+  std::vector<SurfelKey> keys;
+  std::vector<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
+  std::vector<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
+  std::vector<float> opacity;             ///< [0, 1]; empty: 1
+
+  [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
+  [[nodiscard]] bool moves() const { return keys.size() > 1 || !velocity.empty(); }
+
+  /// Counts agree, keys increase, every number is finite. The error's field names the array and the
+  /// first offending index; its file is left for the caller to fill in.
+  [[nodiscard]] Status validate() const;
+};
+
+/// Position and axes of point `i` at time `frame`, object space.
+struct SurfelInstant {
+  Eigen::Vector3d position;
+  Eigen::Vector3d axis_u, axis_v;
+};
+[[nodiscard]] SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame);
+
+/// Rotates each (axis_u, axis_v) of `moving` within its own plane, in place, to lie as near as it can
+/// to that of `reference` (orthogonal Procrustes in (u, v), rotations only). The discs stay the same; what
+/// changes is that interpolating between the two no longer turns or collapses them. Sizes must agree.
+void align_axes(const SurfelPose& reference, SurfelPose& moving);
+
+}  // namespace swept
