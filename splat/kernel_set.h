@@ -1,0 +1,31 @@
+// From a scene to its moving kernels: the one door through which every renderer sees a scene.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "splat/moving_kernel.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+/// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
+/// or objects changes nothing.
+struct KernelSet {
+  std::vector<MovingKernel> kernels;
+  Projection
+      projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
+  double near = 0.0;  ///< camera-space depth, > 0
+  std::size_t surfels = 0;            ///< points of all objects
+  std::size_t still_kernels = 0;      ///< kernels that do not move
+  std::size_t culled_degenerate = 0;  ///< segments whose disc has no area and no thickness on screen
+  std::size_t culled_near = 0;        ///< wholly nearer than the near plane or behind the eye
+};
+
+/// Cuts every surfel's path through camera space over the shutter into linear segments (Object::segments,
+/// else ImageModel::segments; one where nothing moves). A segment runs between the exact centres at its two
+/// ends; axes, normal and pixel filter are those of its middle. `scene` must satisfy validate().
+[[nodiscard]] KernelSet build_kernels(const Scene& scene);
+
+}  // namespace swept
