@@ -1,0 +1,29 @@
+// What a renderer hands back: the picture, and what it took to make it.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "splat/image.h"
+
+namespace swept {
+
+/// Counts and stage times of one render, in the order in which the renderer met them. The command line
+/// only formats them.
+struct Statistics {
+  std::vector<std::pair<std::string, double>> counters;  ///< name and value, e.g. "fragments"
+  std::vector<std::pair<std::string, double>> seconds;   ///< stage and its wall time
+  std::vector<std::string> effects;  ///< which effects ran, and which were skipped and why
+
+  void count(std::string name, double value) { counters.emplace_back(std::move(name), value); }
+  void time(std::string stage, double wall_seconds) { seconds.emplace_back(std::move(stage), wall_seconds); }
+  void effect(std::string what) { effects.push_back(std::move(what)); }
+};
+
+struct Rendered {
+  Image image;
+  Statistics statistics;
+};
+
+}  // namespace swept
