@@ -53,8 +53,12 @@ struct LookAtKey {
 };
 
 /// The camera at one instant.
+///
+/// Far from the origin, take camera_from_world.linear() * (p - eye): the translation is the difference of
+/// two large numbers there, and has lost the digits that p - eye keeps.
 struct CameraInstant {
-  Eigen::Affine3d camera_from_world;  ///< rigid
+  Eigen::Affine3d camera_from_world;              ///< rigid; translation() == -linear() * eye
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< world space
   double tan_half_fov_y = 0.5;
 };
 
