@@ -1,0 +1,57 @@
+// From point files to a moving cloud: one pose, one pose with velocities, or a sequence of poses.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/io/point_file.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+#include "splat/surfel.h"
+
+namespace swept {
+
+/// What a file's velocities are measured in; files do not say.
+enum class VelocityUnit { per_second, per_frame, ignore };
+
+/// A pose of the cloud and the frame it is for.
+struct KeyFile {
+  double frame = 0.0;
+  std::string path;
+};
+
+struct CloudSource {
+  /// At strictly increasing frames. One file may carry velocities. Several are keys of the same
+  /// points: equal counts, point i is point i in all of them.
+  std::vector<KeyFile> files;
+  std::map<std::string, std::string> attributes;  ///< as ReadOptions::attributes
+  VelocityUnit velocity_unit = VelocityUnit::per_second;
+  FrameRate fps;                         ///< turns velocities per second into velocities per frame
+  std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
+  double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
+  std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
+  bool skip_invalid = false;             ///< as ReadOptions::skip_invalid; single files only
+  double delta = 3.0;                    ///< δ of the kernel, for Gaussian files
+};
+
+/// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
+struct LoadedCloud {
+  SurfelCloud cloud;
+  std::vector<std::string> notes;
+};
+
+/// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
+/// at or after `last`, and those between. Axes come from the file; else from its triangles (those of the
+/// first file read); else from the nearest points. Every key's axes are aligned to those of the key before.
+/// Colours and opacities are those of the first file read. Errors: as read_points, counts that differ between
+/// files, frames that do not increase, options out of range.
+[[nodiscard]] Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last);
+
+/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at.
+[[nodiscard]] Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source);
+
+}  // namespace swept

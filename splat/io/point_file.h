@@ -1,0 +1,56 @@
+// Points as a file stores them, before anything decides how they move or how large they are.
+//
+// Formats, by extension: .ply (ASCII, both binary byte orders), .pcd, .xyz/.txt (columns), .obj, .off.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/result.h"
+
+namespace swept {
+
+/// Which properties of a file mean what, and what to do with bad rows.
+struct ReadOptions {
+  /// Attribute → comma-separated property names of the file, in place of the usual names:
+  ///   position  x,y,z
+  ///   normal    nx,ny,nz | normal_x,normal_y,normal_z
+  ///   velocity  vx,vy,vz | velocity_x,… | velocities_x,…
+  ///   color     red,green,blue[,alpha] | r,g,b[,a] | diffuse_red,…
+  ///   radius    radius
+  ///   width     width                     (a diameter)
+  ///   opacity   opacity
+  /// An empty string leaves the attribute unread. Columns of a text file are named 1, 2, 3, …
+  std::map<std::string, std::string> attributes;
+  double delta = 3.0;         ///< δ of the kernel that Gaussian files are fitted to, > 0
+  bool skip_invalid = false;  ///< drop points with NaN or infinite numbers; else they are an error
+};
+
+/// The points of one file, object space. Optional arrays are empty or have one entry per point.
+struct PointSet {
+  std::vector<Eigen::Vector3d> position;
+  std::vector<Eigen::Vector3f> normal;  ///< unit length, or zero where the file gives none for a point
+  std::vector<float> radius;            ///< at the kernel's cut-off, object units, ≥ 0
+  std::vector<Eigen::Vector3f> axis_u;  ///< of Gaussian files: radii at the cut-off; comes with axis_v
+  std::vector<Eigen::Vector3f> axis_v;
+  std::vector<Eigen::Vector3f> color;     ///< linear Rec.709; stored integers are taken as sRGB
+  std::vector<float> opacity;             ///< [0, 1]
+  std::vector<Eigen::Vector3f> velocity;  ///< as stored: the file does not say per second or per frame
+  std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
+  std::vector<std::string> notes;                      ///< what a person should know about how this was read
+
+  [[nodiscard]] std::size_t size() const { return position.size(); }
+};
+
+/// Reads one file whole. Gaussian splats are recognised by scale_0, scale_1[, scale_2] and rot_0…3: log
+/// standard deviations σ become axes of length σ√(2δ), so that the kernel exp(−δ u²) is the Gaussian; of
+/// three axes the shortest is dropped. Errors: unreadable or malformed files, no points, no x y z, unknown
+/// properties in `attributes`, non-finite numbers; each names the file, the property and the point.
+[[nodiscard]] Result<PointSet> read_points(const std::string& path, const ReadOptions& options = {});
+
+}  // namespace swept

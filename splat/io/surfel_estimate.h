@@ -1,0 +1,50 @@
+// Discs for points that come without them: from the triangles around a vertex, or from the nearest points.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/io/point_file.h"
+#include "splat/result.h"
+#include "splat/surfel.h"
+
+namespace swept {
+
+/// Radius at the kernel's cut-off over the spacing h of a triangular grid. Overlapping Gaussians
+/// exp(−δ d²/r²) on that grid sum to a constant with a ripple of 6 exp(−4π² r² / (3δ h²)) (Poisson
+/// summation, first shell of the reciprocal grid): 0.6% at δ = 3, and no holes.
+inline constexpr double kRadiusPerSpacing = 1.25;
+
+/// Discs, and the points among them whose side is a guess: a₁ × a₂ may point either way.
+struct EstimatedSurfels {
+  SurfelPose pose;
+  std::vector<std::size_t> unoriented;  ///< increasing
+  std::vector<std::string> notes;
+};
+
+/// One disc per vertex of a triangle mesh, in the plane of its area-weighted normal, front to the
+/// outside. The axes are the eigenvectors of the one-ring's second moment M = mean(e eᵀ) of the edges e
+/// in that plane, with lengths kRadiusPerSpacing · √(2λ): √(2λ) is h on a triangular grid of spacing h. The
+/// shorter axis is at least a tenth of the longer. Vertices without triangles of any area are estimated from
+/// their nearest points, and counted in the notes. Indices must be below positions.size().
+/// Errors (file left empty): no two distinct points to estimate a lone vertex from.
+[[nodiscard]] Result<EstimatedSurfels> surfels_from_mesh(
+    const std::vector<Eigen::Vector3d>& positions,
+    const std::vector<std::array<std::uint32_t, 3>>& triangles);
+
+/// One round disc per point: normal, if the set has none, of the plane through the 12 nearest distinct
+/// points; radius, if it has none, kRadiusPerSpacing · the mean distance of the 6 nearest distinct
+/// points, at most 10 times the median radius. What is estimated is said in the notes; estimated normals are
+/// unoriented. Errors (file left empty): a radius is needed and all points coincide.
+[[nodiscard]] Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points);
+
+/// Axes of a round disc of the given radius facing `normal` (any length > 0), a₁ × a₂ along it.
+void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& axis_u,
+                Eigen::Vector3f& axis_v);
+
+}  // namespace swept
