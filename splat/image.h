@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/result.h"
+
 namespace swept {
 
 /// A window of the film: linear, premultiplied RGBA and depth, rows top to bottom.
@@ -18,6 +20,10 @@ struct Image {
   [[nodiscard]] std::size_t pixel_count() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
+
+  /// Window and film hold at least a pixel, and the arrays fit the window; depth may be missing (empty).
+  /// Pixel values are free. The error's field names the member.
+  [[nodiscard]] Status validate() const;
 };
 
 }  // namespace swept

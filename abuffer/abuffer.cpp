@@ -1,0 +1,269 @@
+#include "abuffer/abuffer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <new>
+#include <span>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "abuffer/bins.h"
+#include "abuffer/still.h"
+#include "abuffer/sweep.h"
+#include "splat/kernel_set.h"
+
+namespace swept {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Counters {
+  std::uint64_t fragments = 0, still_pixels = 0, swept_pixels = 0, most_fragments = 0, split_tiles = 0;
+  std::uint64_t nanoseconds_rasterize = 0, nanoseconds_resolve = 0;
+  SweepCounters sweep;
+
+  void add(const Counters& other) {
+    fragments += other.fragments;
+    still_pixels += other.still_pixels;
+    swept_pixels += other.swept_pixels;
+    most_fragments = std::max(most_fragments, other.most_fragments);
+    split_tiles += other.split_tiles;
+    nanoseconds_rasterize += other.nanoseconds_rasterize;
+    nanoseconds_resolve += other.nanoseconds_resolve;
+    sweep.intervals += other.sweep.intervals;
+    sweep.crossings += other.sweep.crossings;
+    sweep.subdivided += other.sweep.subdivided;
+    sweep.evaluations += other.sweep.evaluations;
+  }
+};
+
+/// One thread's tile: fragments of a window, then pixel by pixel. Its memory is kept from tile to tile.
+class TileRenderer {
+ public:
+  TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
+               std::size_t fragment_limit, Image& image)
+      : set_(set),
+        shades_(shades),
+        background_(scene.background.cast<double>()),
+        raster_{set.projection, set.near, scene.model.delta},
+        fragment_limit_(fragment_limit),
+        image_(image),
+        still_(SurfaceModel(scene.model)),
+        sweep_(SurfaceModel(scene.model)) {}
+
+  void render(const Window& window, std::span<const std::uint32_t> kernels) {
+    octagons_.clear();
+    for (const std::uint32_t k : kernels) {
+      Octagon octagon;
+      if (screen_bounds(set_.kernels[k], set_.projection, set_.near, octagon))
+        octagons_.push_back({k, octagon});
+    }
+    render_part(window, true);
+  }
+
+  Counters counters;
+
+ private:
+  struct BoundedKernel {
+    std::uint32_t index;
+    Octagon octagon;
+  };
+
+  /// Halves the window until its fragments fit; a single pixel always does.
+  void render_part(const Window& window, bool whole) {
+    std::size_t bound = 0;
+    for (const BoundedKernel& kernel : octagons_) bound += visited_pixels(kernel.octagon, window);
+    if (bound > fragment_limit_ && window.width * window.height > 1) {
+      if (whole) ++counters.split_tiles;
+      Window first = window, second = window;
+      if (window.height >= window.width) {
+        first.height /= 2;
+        second.y += first.height;
+        second.height -= first.height;
+      } else {
+        first.width /= 2;
+        second.x += first.width;
+        second.width -= first.width;
+      }
+      render_part(first, false);
+      render_part(second, false);
+      return;
+    }
+    const auto start = Clock::now();
+    fragments_.count = 0;
+    for (const BoundedKernel& kernel : octagons_)
+      rasterize(set_.kernels[kernel.index], kernel.index, kernel.octagon, raster_, window, fragments_);
+    sort_by_pixel(window);
+    const auto middle = Clock::now();
+    resolve(window);
+    const auto nanoseconds = [](Clock::duration d) {
+      return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(d).count());
+    };
+    counters.nanoseconds_rasterize += nanoseconds(middle - start);
+    counters.nanoseconds_resolve += nanoseconds(Clock::now() - middle);
+  }
+
+  /// A stable counting sort of fragment indices: within a pixel they keep the order of the kernels.
+  void sort_by_pixel(const Window& window) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height);
+    starts_.assign(pixels + 1, 0);
+    moving_.assign(pixels, 0);
+    for (std::size_t i = 0; i < fragments_.count; ++i) {
+      ++starts_[fragments_.pixel[i] + 1];
+      if (!is_still(fragments_, i)) moving_[fragments_.pixel[i]] = 1;
+    }
+    for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
+    sorted_.resize(fragments_.count);
+    fill_.assign(starts_.begin(), starts_.end() - 1);
+    for (std::size_t i = 0; i < fragments_.count; ++i)
+      sorted_[fill_[fragments_.pixel[i]]++] = static_cast<std::uint32_t>(i);
+  }
+
+  void resolve(const Window& window) {
+    counters.fragments += fragments_.count;
+    std::size_t local = 0;
+    for (int y = window.y; y < window.y + window.height; ++y)
+      for (int x = window.x; x < window.x + window.width; ++x, ++local) {
+        std::uint32_t* indices = sorted_.data() + starts_[local];
+        const std::size_t count = starts_[local + 1] - starts_[local];
+        PixelSum pixel;
+        if (count > 0) {
+          counters.most_fragments = std::max<std::uint64_t>(counters.most_fragments, count);
+          if (moving_[local]) {
+            ++counters.swept_pixels;
+            sweep_.resolve(fragments_, shades_, indices, count, pixel, counters.sweep);
+          } else {
+            ++counters.still_pixels;
+            still_.resolve(fragments_, shades_, indices, count, pixel);
+          }
+        }
+        store(x, y, pixel);
+      }
+  }
+
+  void store(int x, int y, const PixelSum& pixel) {
+    const std::size_t i =
+        static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) + (x - image_.x);
+    const double left = std::max(0.0, 1.0 - pixel.rgba[3]);
+    for (int c = 0; c < 4; ++c)
+      image_.rgba[4 * i + c] = static_cast<float>(pixel.rgba[c] + left * background_[c]);
+    image_.depth[i] = pixel.rgba[3] > 0.0 ? static_cast<float>(pixel.depth / pixel.rgba[3])
+                                          : std::numeric_limits<float>::infinity();
+  }
+
+  const KernelSet& set_;
+  const std::vector<Shade>& shades_;
+  Eigen::Vector4d background_;
+  RasterModel raster_;
+  std::size_t fragment_limit_;
+  Image& image_;
+  StillPixel still_;
+  PixelSweep sweep_;
+  std::vector<BoundedKernel> octagons_;
+  FragmentArrays fragments_;
+  std::vector<std::uint32_t> starts_, fill_, sorted_;
+  std::vector<std::uint8_t> moving_;
+};
+
+Image empty_image(const Film& film) {
+  Image image;
+  image.x = film.crop_x;
+  image.y = film.crop_y;
+  image.width = film.window_width();
+  image.height = film.window_height();
+  image.film_width = film.width;
+  image.film_height = film.height;
+  image.rgba.resize(4 * image.pixel_count());
+  image.depth.resize(image.pixel_count());
+  return image;
+}
+
+void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Statistics& s) {
+  const double swept = static_cast<double>(std::max<std::uint64_t>(1, c.swept_pixels));
+  s.count("surfels", static_cast<double>(set.surfels));
+  s.count("kernels", static_cast<double>(set.kernels.size()));
+  s.count("kernels_still", static_cast<double>(set.still_kernels));
+  s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
+  s.count("culled_near", static_cast<double>(set.culled_near));
+  s.count("culled_outside", static_cast<double>(bins.outside()));
+  s.count("tile_entries", static_cast<double>(bins.entry_count()));
+  s.count("tiles_split", static_cast<double>(c.split_tiles));
+  s.count("fragments", static_cast<double>(c.fragments));
+  s.count("fragments_in_fullest_pixel", static_cast<double>(c.most_fragments));
+  s.count("pixels_still", static_cast<double>(c.still_pixels));
+  s.count("pixels_swept", static_cast<double>(c.swept_pixels));
+  s.count("intervals", static_cast<double>(c.sweep.intervals));
+  s.count("intervals_per_swept_pixel", static_cast<double>(c.sweep.intervals) / swept);
+  s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
+  s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
+  s.count("integrals", static_cast<double>(c.sweep.evaluations));
+  s.effect(c.swept_pixels > 0 ? "motion blur: swept where something moves"
+                              : "motion blur: skipped, nothing moves during the exposure");
+}
+
+Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
+  Rendered out;
+  auto start = Clock::now();
+  const KernelSet set = build_kernels(scene);
+  out.statistics.time("kernels", seconds_since(start));
+
+  start = Clock::now();
+  out.image = empty_image(scene.film);
+  const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
+  const TileBins bins(set, film, options.tile_px);
+  std::vector<Shade> shades;
+  shades.reserve(set.kernels.size());
+  for (const MovingKernel& k : set.kernels)
+    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
+  out.statistics.time("bins", seconds_since(start));
+
+  start = Clock::now();
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  Counters total;
+  arena.execute([&] {
+    tbb::enumerable_thread_specific<TileRenderer> renderers(
+        [&] { return TileRenderer(scene, set, shades, options.tile_fragments, out.image); });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
+      TileRenderer& renderer = renderers.local();
+      for (std::size_t tile = range.begin(); tile != range.end(); ++tile)
+        renderer.render(bins.window(tile), bins.kernels(tile));
+    });
+    for (const TileRenderer& renderer : renderers) total.add(renderer.counters);
+  });
+  out.statistics.time("tiles", seconds_since(start));
+  out.statistics.time("rasterize, all threads", 1e-9 * static_cast<double>(total.nanoseconds_rasterize));
+  out.statistics.time("resolve, all threads", 1e-9 * static_cast<double>(total.nanoseconds_resolve));
+  describe(set, bins, total, out.statistics);
+  return out;
+}
+
+}  // namespace
+
+Status AbufferOptions::validate() const {
+  if (threads < 0 || threads > 1024) return Error{"", "threads", "must be in [0, 1024]"};
+  if (tile_px < 1 || tile_px > 4096) return Error{"", "tile_px", "must be in [1, 4096]"};
+  if (tile_fragments == 0) return Error{"", "tile_fragments", "must be at least 1"};
+  return Done{};
+}
+
+Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options) {
+  if (Status status = options.validate(); !status) return status.error();
+  if (Status status = scene.validate(); !status) return status.error();
+  try {
+    return render_checked(scene, options);
+  } catch (const std::bad_alloc&) {
+    return Error{"", "", "not enough memory to render the frame"};
+  }
+}
+
+}  // namespace swept

@@ -1,0 +1,59 @@
+// Images in and out: OpenEXR for numbers, PNG for eyes.
+//
+// Every file is written under a temporary name in its own folder and renamed once it is complete. The same
+// image and metadata give the same bytes.
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "splat/image.h"
+#include "splat/result.h"
+
+namespace swept {
+
+/// What a reader of the file wants to know about how the image came to be. Written to the EXR header as:
+///
+///   framesPerSecond  rational        fps_numerator / fps_denominator
+///   expTime          float           exposure_seconds
+///   shutterAngle     float, degrees  360 · (shutter_close − shutter_open)
+///   shutterOpen, shutterClose  double, frames relative to the frame
+///   worldToCamera    m44f            the transpose of world_to_camera: OpenEXR's points are row vectors,
+///                                    p_camera = p_world · M; camera axes are x right, y down, z forward
+///   sceneHash, software  string      left out if empty
+///
+/// beside compression (ZIP), the windows, and the Rec.709 chromaticities.
+struct ImageMetadata {
+  int fps_numerator = 24, fps_denominator = 1;                    ///< both > 0
+  double exposure_seconds = 0.0;                                  ///< how long the shutter is open, ≥ 0
+  double shutter_open = 0.0, shutter_close = 0.0;                 ///< frames relative to the frame
+  Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();  ///< for column vectors, mid-shutter
+  std::string scene_hash;
+  std::string software;
+};
+
+enum class ExrPixels {
+  float32,  ///< the image's own bits
+  float16,  ///< R G B A as half, rounded to nearest, beyond 65504 infinite; Z stays float32
+};
+
+/// R G B A, linear and premultiplied, and Z if `image.depth` is not empty. The display window is the film,
+/// the data window the image's window of it. Errors: sizes that do not fit each other (field names the
+/// array), metadata out of range, and whatever the file system objects to.
+[[nodiscard]] Status write_exr(const std::string& path, const Image& image,
+                               const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32);
+
+/// Reads R, G, B and, where present, A and Z of the first part: scan lines or tiles, half, float or uint.
+/// Without A the image is opaque (1); without Z `depth` is empty. The film is the display window and the
+/// image's window is relative to it, so x and y may be negative in a file with overscan.
+///
+/// Errors: missing, truncated and corrupt files, files without R, G or B, and windows of more pixels than
+/// the file's size can hold, whatever its header says.
+[[nodiscard]] Result<Image> read_exr(const std::string& path);
+
+/// An 8-bit RGBA preview of the window: colours divided by alpha, clipped to [0, 1], sRGB transfer. Where
+/// alpha is 0 or anything is NaN, 0. Errors as for write_exr.
+[[nodiscard]] Status write_png(const std::string& path, const Image& image);
+
+}  // namespace swept

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <openexr.h>
+
+#include "splat/io/image_file.h"
+
+namespace swept {
+namespace {
+
+// Deflate, the densest of OpenEXR's coders, packs at most 1032 bytes into one.
+constexpr std::uint64_t kBestPacking = 4096;
+constexpr std::uint64_t kAlwaysFine = std::uint64_t{64} << 20;
+
+constexpr int kRowsPerStrip = 64;
+
+void stay_silent(exr_const_context_t, exr_result_t, const char*) {}
+
+/// The header by OpenEXR's C reader, which holds every length in it against the file's size. The C++
+/// reader below believes them.
+Status check_header(const std::string& path, std::uint64_t file_bytes) {
+  exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
+  options.error_handler_fn = stay_silent;
+  exr_context_t context = nullptr;
+  std::uint64_t chunk_bytes = 0;
+  std::int32_t chunks = 0;
+  exr_result_t code = exr_start_read(&context, path.c_str(), &options);
+  if (code == EXR_ERR_SUCCESS) code = exr_get_chunk_count(context, 0, &chunks);
+  if (code == EXR_ERR_SUCCESS) code = exr_get_chunk_unpacked_size(context, 0, &chunk_bytes);
+  if (context != nullptr) exr_finish(&context);
+  if (code != EXR_ERR_SUCCESS) {
+    return Error{path, "",
+                 std::string("not a readable OpenEXR file: ") + exr_get_default_error_message(code)};
+  }
+  if (static_cast<std::uint64_t>(chunks) > file_bytes / sizeof(std::uint64_t) ||
+      chunk_bytes > std::max(kAlwaysFine, kBestPacking * file_bytes)) {
+    return Error{path, "dataWindow", "claims more pixels than a file of this size can hold"};
+  }
+  return Done{};
+}
+
+/// All pixels, in strips: memory grows with what the file really holds.
+void read_pixels(Imf::InputFile& file, bool has_depth, Image& image) {
+  const Imath::V2i origin = file.header().dataWindow().min;
+  const auto width = static_cast<std::size_t>(image.width);
+  for (int row = 0; row < image.height; row += kRowsPerStrip) {
+    const int rows = std::min(kRowsPerStrip, image.height - row);
+    const std::size_t begin = width * static_cast<std::size_t>(row);
+    const std::size_t end = begin + width * static_cast<std::size_t>(rows);
+    image.rgba.resize(4 * end);
+    if (has_depth) image.depth.resize(end);
+
+    const auto slice = [&](const float* first, std::size_t stride, double fill) {
+      return Imf::Slice::Make(Imf::FLOAT, first, Imath::V2i(origin.x, origin.y + row), image.width, rows,
+                              stride * sizeof(float), stride * sizeof(float) * width, 1, 1, fill);
+    };
+    Imf::FrameBuffer frame;
+    float* rgba = &image.rgba[4 * begin];
+    frame.insert("R", slice(rgba, 4, 0.0));
+    frame.insert("G", slice(rgba + 1, 4, 0.0));
+    frame.insert("B", slice(rgba + 2, 4, 0.0));
+    frame.insert("A", slice(rgba + 3, 4, 1.0));
+    if (has_depth) frame.insert("Z", slice(&image.depth[begin], 1, 0.0));
+    file.setFrameBuffer(frame);
+    file.readPixels(origin.y + row, origin.y + row + rows - 1);
+  }
+}
+
+Error missing_channel(const std::string& path, const char* name, const Imf::ChannelList& channels) {
+  std::string present;
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    present += (present.empty() ? "" : ", ") + std::string(channel.name());
+  }
+  return {path, name, "no such channel; the file has " + (present.empty() ? "none" : present)};
+}
+
+Result<Image> read(const std::string& path) {
+  Imf::InputFile file(path.c_str(), 0);
+  const Imf::ChannelList& channels = file.header().channels();
+  for (const char* name : {"R", "G", "B"}) {
+    if (channels.findChannel(name) == nullptr) return missing_channel(path, name, channels);
+  }
+  const Imath::Box2i display = file.header().displayWindow(), data = file.header().dataWindow();
+  const auto difference = [](int a, int b) { return std::int64_t{a} - b; };
+  const std::int64_t x = difference(data.min.x, display.min.x), y = difference(data.min.y, display.min.y);
+  const std::int64_t width = difference(data.max.x, data.min.x) + 1;
+  const std::int64_t height = difference(data.max.y, data.min.y) + 1;
+  const std::int64_t film_width = difference(display.max.x, display.min.x) + 1;
+  const std::int64_t film_height = difference(display.max.y, display.min.y) + 1;
+  Image image;
+  for (const auto& [from, to] : {std::pair{x, &image.x},
+                                 {y, &image.y},
+                                 {width, &image.width},
+                                 {height, &image.height},
+                                 {film_width, &image.film_width},
+                                 {film_height, &image.film_height}}) {
+    *to = static_cast<int>(from);
+    if (*to != from) return Error{path, "dataWindow, displayWindow", "too large"};
+  }
+  read_pixels(file, channels.findChannel("Z") != nullptr, image);
+  if (const Status status = image.validate(); !status) {
+    return Error{path, status.error().field, status.error().reason};
+  }
+  return image;
+}
+
+}  // namespace
+
+Result<Image> read_exr(const std::string& path) {
+  std::error_code problem;
+  const std::uintmax_t file_bytes = std::filesystem::file_size(path, problem);
+  if (problem) return Error{path, "", "cannot be read: " + problem.message()};
+  if (const Status status = check_header(path, file_bytes); !status) return status.error();
+  try {
+    return read(path);
+  } catch (const std::exception& unreadable) {
+    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+  }
+}
+
+}  // namespace swept

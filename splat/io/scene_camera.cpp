@@ -1,0 +1,105 @@
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "splat/io/scene_parsing.h"
+
+namespace swept::io {
+namespace {
+
+double parse_fov(const JsonNode& node, const Film& film) {
+  node.expect_keys({"axis", "degrees"});
+  const std::size_t axis = node.require("axis").one_of({"vertical", "horizontal", "diagonal"});
+  const JsonNode degrees = node.require("degrees");
+  const double value = degrees.number();
+  if (!(value > 0.0 && value < 180.0)) degrees.fail("must be above 0 and below 180");
+  const double width = film.width, height = film.height;
+  const double extent = axis == 0 ? height : axis == 1 ? width : std::hypot(width, height);
+  return std::tan(0.5 * value * std::numbers::pi / 180.0) * height / extent;
+}
+
+LookAtKey parse_look_at(const JsonNode& node) {
+  LookAtKey key;
+  key.eye = node.require("eye").vector3();
+  key.target = node.require("target").vector3();
+  if (const auto up = node.find("up")) key.up = up->vector3();
+  return key;
+}
+
+CameraKey parse_matrix(const JsonNode& node, bool opengl) {
+  using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  const std::vector<double> numbers = node.numbers(16);
+  const RowMajor matrix = Eigen::Map<const RowMajor>(numbers.data());
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    node.fail("the last row of the camera-to-world matrix must be 0 0 0 1");
+  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+  // Four decimal digits must pass: entries off by 5e-5 put a product of two columns off by 3 · 1e-4.
+  constexpr double rigid_tolerance = 3e-4;
+  const Eigen::Matrix3d deviation = linear.transpose() * linear - Eigen::Matrix3d::Identity();
+  if (!(deviation.cwiseAbs().maxCoeff() <= rigid_tolerance))
+    node.fail("the camera-to-world matrix is not rigid: it is singular, scales or shears");
+  if (linear.determinant() < 0.0) node.fail("the camera-to-world matrix mirrors");
+  // The nearest rotation, so that rounding in the file does not shear the image.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  if (opengl) rotation.rightCols<2>() *= -1.0;
+  CameraKey key;
+  key.eye = matrix.topRightCorner<3, 1>();
+  key.world_from_camera = Eigen::Quaterniond(rotation).normalized();
+  return key;
+}
+
+}  // namespace
+
+double parse_key_frame(const JsonNode& key, std::size_t i, std::size_t count, double previous) {
+  if (count == 1 && !key.find("frame")) return 0.0;
+  const JsonNode node = key.require("frame");
+  const double frame = node.number();
+  if (i > 0 && !(previous < frame)) node.fail("keys must be at strictly increasing frames");
+  return frame;
+}
+
+CameraTrack parse_camera(const JsonNode& node, const Film& film) {
+  node.expect_keys({"fov", "near", "keys", "convention"});
+  CameraTrack camera;
+  if (const auto near = node.find("near")) camera.near = near->positive();
+  bool opengl = true;
+  if (const auto convention = node.find("convention")) opengl = convention->one_of({"opengl", "opencv"}) == 0;
+  std::optional<double> common_fov;
+  if (const auto fov = node.find("fov")) common_fov = parse_fov(*fov, film);
+
+  const JsonNode list = node.require("keys");
+  const std::vector<JsonNode> keys = list.elements();
+  if (keys.empty()) list.fail("a camera needs at least one key");
+  const bool matrices = keys.front().find("matrix").has_value();
+  double previous = 0.0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const JsonNode& key = keys[i];
+    key.expect_keys({"frame", "eye", "target", "up", "matrix", "fov"});
+    if (key.find("matrix").has_value() != matrices)
+      key.fail("the keys of a camera must be all look-ats or all matrices");
+    previous = parse_key_frame(key, i, keys.size(), previous);
+    const auto own_fov = key.find("fov");
+    if (!own_fov && !common_fov) key.fail("no field of view: neither the key nor the camera has \"fov\"");
+    const double fov = own_fov ? parse_fov(*own_fov, film) : *common_fov;
+    if (matrices) {
+      for (const char* look_at : {"eye", "target", "up"})
+        if (const auto member = key.find(look_at)) member->fail("a key with a matrix has no look-at");
+      camera.poses.push_back(parse_matrix(key.require("matrix"), opengl));
+      camera.poses.back().frame = previous;
+      camera.poses.back().tan_half_fov_y = fov;
+    } else {
+      camera.look_ats.push_back(parse_look_at(key));
+      camera.look_ats.back().frame = previous;
+      camera.look_ats.back().tan_half_fov_y = fov;
+    }
+  }
+  if (const auto convention = node.find("convention"); convention && !matrices)
+    convention->fail("a convention of axes goes with matrix keys, and these are look-ats");
+  return camera;
+}
+
+}  // namespace swept::io

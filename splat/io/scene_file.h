@@ -1,0 +1,117 @@
+// Scene files, version 1 (datasets/README.md describes the format): one JSON file that names film, camera,
+// shutter and objects, and the clouds it refers to.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/io/cloud_source.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+/// Makes the cloud of {"generator": shape, "points": points, <parameter>: <number>}, velocities per frame.
+/// The error's field is the member at fault.
+using Generator = std::function<Result<SurfelCloud>(const std::string& shape, std::size_t points,
+                                                    const std::map<std::string, double>& parameters)>;
+
+struct GeneratorSource {
+  std::string shape;
+  std::size_t points = 0;
+  std::map<std::string, double> parameters;  ///< "seed" is one of them
+};
+
+struct FileSource {
+  std::string path;
+  double frame = 0.0;                             ///< when the points are where the file says
+  std::map<std::string, std::string> attributes;  ///< as CloudSource::attributes
+  bool skip_invalid = false;                      ///< drop points that are not finite; else an error
+  std::string end_path;                           ///< the same points at end_frame; empty: none
+  double end_frame = 1.0;
+};
+
+/// File n holds the points at frame n.
+struct SequenceSource {
+  std::string pattern;  ///< with %04d or ####
+  int first = 1, last = 1;
+  bool cycle = false;  ///< frame last + 1 is frame first again, and so on both ways; else held outside
+  std::map<std::string, std::string> attributes;
+};
+
+/// Where an object's points come from, and what is done to them before they are rendered.
+struct ObjectSource {
+  std::variant<GeneratorSource, FileSource, SequenceSource> points;
+  std::string pointer;  ///< JSON pointer of the object, for messages
+  VelocityUnit velocity = VelocityUnit::per_second;
+  std::optional<Eigen::Vector3f> color;  ///< linear; replaces the source's
+  std::optional<double> radius;          ///< object units; discs become round
+  double radius_scale = 1.0;
+};
+
+/// What a caller wants otherwise than the file says.
+struct SceneOverrides {
+  std::optional<std::array<int, 2>> size;  ///< width and height, px
+  std::optional<std::array<int, 4>> crop;  ///< x, y, width, height, px
+  std::optional<Shutter> shutter;
+  std::optional<double> delta, filter_radius_px, edge_weight, depth_tolerance;
+  std::optional<Coverage> coverage;
+  std::optional<int> segments;  ///< for all objects, those that name their own included
+  double points_scale = 1.0;    ///< multiplies the point counts of generated objects; > 0
+};
+
+/// A scene file that was read and found valid. Clouds are loaded frame by frame.
+class SceneFile {
+ public:
+  SceneFile(SceneFile&&) noexcept;
+  SceneFile& operator=(SceneFile&&) noexcept;
+  ~SceneFile();
+
+  /// Everything but the clouds, which are empty until scene_at() loads them. Scene::frame is the frame that
+  /// the file itself asks for.
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const std::vector<ObjectSource>& sources() const { return sources_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// The scene with the clouds that the shutter at `frame` sees. Generated clouds and single files are loaded
+  /// once and kept; of a sequence only the files around the shutter are held. The scene belongs to this
+  /// object, and changes with the next call.
+  [[nodiscard]] Result<const Scene*> scene_at(double frame, const Generator& generator);
+
+  /// What the readers of the clouds of the last scene_at() had to assume, e.g. estimated normals.
+  [[nodiscard]] std::vector<std::string> notes() const;
+
+  /// FNV-1a, 64 bits, of the file's content without its layout, the overrides, and `options`. Clouds count by
+  /// name, not by content. 16 hexadecimal digits.
+  [[nodiscard]] std::string hash(const std::string& options) const;
+
+ private:
+  struct Clouds;
+  friend Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides);
+  SceneFile();
+  [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
+
+  std::string path_, canonical_;
+  Scene scene_;
+  std::vector<ObjectSource> sources_;
+  double points_scale_ = 1.0;
+  std::unique_ptr<Clouds> clouds_;
+};
+
+/// Reads and validates a scene file, but none of the clouds it names. Paths in it are relative to its folder.
+/// Errors name the file, a JSON pointer (line and column for bad syntax) and the reason; those about an
+/// override name the option's member in the scene.
+[[nodiscard]] Result<SceneFile> read_scene_file(const std::string& path,
+                                                const SceneOverrides& overrides = {});
+
+}  // namespace swept

@@ -1,0 +1,144 @@
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <ImathMatrix.h>
+#include <ImfChannelList.h>
+#include <ImfChromaticities.h>
+#include <ImfCompression.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfOutputFile.h>
+#include <ImfRational.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <half.h>
+
+#include "splat/io/atomic_file.h"
+#include "splat/io/image_file.h"
+
+namespace swept {
+namespace {
+
+/// OpenEXR's output onto a C stream, whose error flag outlives the destructors that swallow exceptions.
+class FileStream : public Imf::OStream {
+ public:
+  FileStream(const std::string& name, std::FILE* stream) : Imf::OStream(name.c_str()), stream_(stream) {}
+
+  void write(const char bytes[], int count) override {
+    if (std::fwrite(bytes, 1, static_cast<std::size_t>(count), stream_) != static_cast<std::size_t>(count)) {
+      throw std::runtime_error("a write failed; is the disk full?");
+    }
+    position_ += static_cast<std::uint64_t>(count);
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override {
+    if (fseeko(stream_, static_cast<off_t>(position), SEEK_SET) != 0)
+      throw std::runtime_error("a seek failed");
+    position_ = position;
+  }
+
+ private:
+  std::FILE* stream_;
+  std::uint64_t position_ = 0;
+};
+
+Status check(const ImageMetadata& metadata) {
+  if (metadata.fps_numerator <= 0 || metadata.fps_denominator <= 0) {
+    return Error{"", "fps", "must be a positive fraction"};
+  }
+  if (!std::isfinite(metadata.exposure_seconds) || metadata.exposure_seconds < 0) {
+    return Error{"", "exposure_seconds", "must be finite and not negative"};
+  }
+  if (!std::isfinite(metadata.shutter_open) || !std::isfinite(metadata.shutter_close) ||
+      metadata.shutter_open > metadata.shutter_close) {
+    return Error{"", "shutter", "must be finite and not close before it opens"};
+  }
+  if (!metadata.world_to_camera.allFinite()) return Error{"", "world_to_camera", "must be finite"};
+  return Done{};
+}
+
+Imf::Header header_of(const Image& image, const ImageMetadata& metadata) {
+  using Imath::Box2i;
+  using Imath::V2i;
+  const Box2i display(V2i(0, 0), V2i(image.film_width - 1, image.film_height - 1));
+  const Box2i data(V2i(image.x, image.y), V2i(image.x + image.width - 1, image.y + image.height - 1));
+  Imf::Header header(display, data, 1.0f, Imath::V2f(0.0f, 0.0f), 1.0f, Imf::INCREASING_Y,
+                     Imf::ZIP_COMPRESSION);
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709 with D65
+  Imf::addFramesPerSecond(
+      header, Imf::Rational(metadata.fps_numerator, static_cast<unsigned>(metadata.fps_denominator)));
+  Imf::addExpTime(header, static_cast<float>(metadata.exposure_seconds));
+  header.insert(
+      "shutterAngle",
+      Imf::FloatAttribute(static_cast<float>(360.0 * (metadata.shutter_close - metadata.shutter_open))));
+  header.insert("shutterOpen", Imf::DoubleAttribute(metadata.shutter_open));
+  header.insert("shutterClose", Imf::DoubleAttribute(metadata.shutter_close));
+  Imath::M44f world_to_camera;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      world_to_camera[column][row] = static_cast<float>(metadata.world_to_camera(row, column));
+    }
+  }
+  Imf::addWorldToCamera(header, world_to_camera);
+  if (!metadata.scene_hash.empty()) header.insert("sceneHash", Imf::StringAttribute(metadata.scene_hash));
+  if (!metadata.software.empty()) header.insert("software", Imf::StringAttribute(metadata.software));
+  return header;
+}
+
+/// Slices of both signs of window offset; OpenEXR takes const images by a mutable pointer.
+template <class T>
+Imf::Slice slice_of(Imf::PixelType type, const std::vector<T>& values, std::size_t offset, std::size_t stride,
+                    const Image& image) {
+  return Imf::Slice::Make(type, values.data() + offset, Imath::V2i(image.x, image.y), image.width,
+                          image.height, stride * sizeof(T),
+                          stride * sizeof(T) * static_cast<std::size_t>(image.width));
+}
+
+void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata& metadata, ExrPixels pixels) {
+  constexpr const char* kNames[] = {"R", "G", "B", "A"};
+  const bool narrow = pixels == ExrPixels::float16;
+  const std::vector<half> halves =
+      narrow ? std::vector<half>(image.rgba.begin(), image.rgba.end()) : std::vector<half>();
+
+  Imf::Header header = header_of(image, metadata);
+  Imf::FrameBuffer frame;
+  for (std::size_t c = 0; c < 4; ++c) {
+    header.channels().insert(kNames[c], Imf::Channel(narrow ? Imf::HALF : Imf::FLOAT));
+    frame.insert(kNames[c], narrow ? slice_of(Imf::HALF, halves, c, 4, image)
+                                   : slice_of(Imf::FLOAT, image.rgba, c, 4, image));
+  }
+  if (!image.depth.empty()) {
+    header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    frame.insert("Z", slice_of(Imf::FLOAT, image.depth, 0, 1, image));
+  }
+  Imf::OutputFile file(stream, header, 0);
+  file.setFrameBuffer(frame);
+  file.writePixels(image.height);
+}
+
+}  // namespace
+
+Status write_exr(const std::string& path, const Image& image, const ImageMetadata& metadata,
+                 ExrPixels pixels) {
+  for (const Status& status : {image.validate(), check(metadata)}) {
+    if (!status) return Error{path, status.error().field, status.error().reason};
+  }
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  try {
+    FileStream stream(path, file->stream());
+    write_pixels(stream, image, metadata, pixels);
+  } catch (const std::exception& problem) {
+    return Error{path, "", std::string("cannot be written: ") + problem.what()};
+  }
+  return file->commit();
+}
+
+}  // namespace swept

@@ -1,0 +1,206 @@
+#include "splat/kernel_set.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace swept {
+namespace {
+
+/// Object and camera at one instant of the shutter, folded into one affine map.
+struct Instant {
+  double frame = 0.0;
+  Eigen::Affine3d world_from_object;
+  Eigen::Matrix3d camera_from_world;
+  Eigen::Vector3d eye;
+  double zoom = 1.0;  ///< focal length relative to the projection's
+
+  [[nodiscard]] Eigen::Vector3d to_camera(const Eigen::Vector3d& point) const {
+    // The eye is subtracted in world space, where survey coordinates still have all their digits.
+    Eigen::Vector3d p = camera_from_world * (world_from_object * point - eye);
+    p.head<2>() *= zoom;
+    return p;
+  }
+  [[nodiscard]] Eigen::Vector3d to_camera_direction(const Eigen::Vector3d& direction) const {
+    Eigen::Vector3d p = camera_from_world * (world_from_object.linear() * direction);
+    p.head<2>() *= zoom;
+    return p;
+  }
+};
+
+Instant instant_at(const Scene& scene, const Object& object, double frame, double reference_tangent) {
+  const CameraInstant camera = scene.camera.at(frame);
+  return {frame, object.transform.at(frame), camera.camera_from_world.linear(), camera.eye,
+          reference_tangent / camera.tan_half_fov_y};
+}
+
+/// Spreads the low 21 bits of `v` to every third bit.
+std::uint64_t every_third_bit(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x1f00000000ffffULL;
+  v = (v | v << 16) & 0x1f0000ff0000ffULL;
+  v = (v | v << 8) & 0x100f00f00f00f00fULL;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ULL;
+  return (v | v << 2) & 0x1249249249249249ULL;
+}
+
+bool content_less(const MovingKernel& a, const MovingKernel& b) {
+  const auto content = [](const MovingKernel& k) {
+    return std::array<double, 24>{
+        k.center.x(),      k.center.y(), k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
+        k.axis_u.x(),      k.axis_u.y(), k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
+        k.facing.x(),      k.facing.y(), k.facing.z(), k.t_begin,      k.t_end,        k.weight,
+        k.depth_tolerance, k.color.x(),  k.color.y(),  k.color.z(),    k.color.w(),    0.0};
+  };
+  return content(a) < content(b);
+}
+
+/// Sorts along a space-filling curve, for locality; equal keys by content. Identical kernels are
+/// interchangeable, so the result does not depend on the order that came in.
+void sort_by_content(std::vector<MovingKernel>& kernels) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (const MovingKernel& k : kernels) {
+    low = low.cwiseMin(k.center);
+    high = high.cwiseMax(k.center);
+  }
+  Eigen::Vector3d scale;
+  for (int i = 0; i < 3; ++i) scale[i] = high[i] > low[i] ? double(0x1fffff) / (high[i] - low[i]) : 0.0;
+
+  struct Entry {
+    std::uint64_t key;
+    std::size_t index;
+  };
+  std::vector<Entry> order(kernels.size());
+  for (std::size_t i = 0; i < kernels.size(); ++i) {
+    const Eigen::Vector3d cell = (kernels[i].center - low).cwiseProduct(scale);
+    order[i] = {every_third_bit(static_cast<std::uint64_t>(cell.x())) |
+                    every_third_bit(static_cast<std::uint64_t>(cell.y())) << 1 |
+                    every_third_bit(static_cast<std::uint64_t>(cell.z())) << 2,
+                i};
+  }
+  std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
+    return a.key != b.key ? a.key < b.key : content_less(kernels[a.index], kernels[b.index]);
+  });
+  std::vector<MovingKernel> sorted;
+  sorted.reserve(kernels.size());
+  for (const Entry& entry : order) sorted.push_back(kernels[entry.index]);
+  kernels = std::move(sorted);
+}
+
+/// All the path of one surfel that a segment needs: centres at the ends, axes in the middle.
+struct Path {
+  std::vector<Eigen::Vector3d> centers;                           ///< segments + 1
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  ///< segments
+
+  [[nodiscard]] bool still() const {
+    return std::all_of(centers.begin(), centers.end(), [&](const auto& c) { return c == centers.front(); }) &&
+           std::all_of(axes.begin(), axes.end(), [&](const auto& a) { return a == axes.front(); });
+  }
+};
+
+class Builder {
+ public:
+  Builder(const Scene& scene, KernelSet& out) : scene_(scene), out_(out) {
+    const double middle = scene.frame + 0.5 * (scene.shutter.open + scene.shutter.close);
+    tangent_ = scene.camera.at(middle).tan_half_fov_y;
+    out.projection = projection_of(scene.film, tangent_);
+    out.near = scene.camera.near;
+    // A guard band: beyond it a disc touches the frame with its rim only, if at all.
+    constexpr double guard = 1.3;
+    filter_.radius = scene.model.filter_radius_px / out.projection.focal_px;
+    filter_.max_tangent_x = guard * 0.5 * scene.film.width / out.projection.focal_px;
+    filter_.max_tangent_y = guard * 0.5 * scene.film.height / out.projection.focal_px;
+    filter_.near = scene.camera.near;
+  }
+
+  void add(const Object& object) {
+    const double open = scene_.frame + scene_.shutter.open, close = scene_.frame + scene_.shutter.close;
+    const bool constant =
+        open == close || (!object.cloud.moves() && object.transform.constant_over(open, close) &&
+                          scene_.camera.constant_over(open, close));
+    const int segments = constant ? 1 : object.segments > 0 ? object.segments : scene_.model.segments;
+    std::vector<Instant> ends, middles;
+    for (int s = 0; s <= 2 * segments; ++s) {
+      const double frame = open + (close - open) * s / (2.0 * segments);
+      (s % 2 ? middles : ends).push_back(instant_at(scene_, object, frame, tangent_));
+    }
+    const std::size_t count = object.cloud.size();
+    out_.surfels += count;
+    out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
+    Path path;
+    for (std::size_t i = 0; i < count; ++i) {
+      path.centers.clear();
+      path.axes.clear();
+      for (const Instant& end : ends)
+        path.centers.push_back(end.to_camera(surfel_at(object.cloud, i, end.frame).position));
+      for (const Instant& middle : middles) {
+        const SurfelInstant surfel = surfel_at(object.cloud, i, middle.frame);
+        path.axes.emplace_back(middle.to_camera_direction(surfel.axis_u),
+                               middle.to_camera_direction(surfel.axis_v));
+      }
+      const bool still = path.still();
+      const int pieces = still ? 1 : segments;
+      // A mirrored object keeps its outside outside.
+      const double side = middles.front().world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
+      for (int s = 0; s < pieces; ++s) add_segment(object, i, path, s, pieces, side);
+    }
+  }
+
+ private:
+  void add_segment(const Object& object, std::size_t i, const Path& path, int s, int pieces, double side) {
+    const Eigen::Vector3d& c0 = path.centers[s];
+    const Eigen::Vector3d& c1 = path.centers[s + 1];
+    const auto& [axis_u, axis_v] = path.axes[s];
+    MovingKernel kernel;
+    kernel.velocity = (c1 - c0) * pieces;
+    kernel.center = c0 + 0.5 * (c1 - c0);
+    kernel.t_begin = static_cast<float>(static_cast<double>(s) / pieces);
+    kernel.t_end = static_cast<float>(static_cast<double>(s + 1) / pieces);
+
+    const FilteredDisc disc = filter_disc(kernel.center, axis_u, axis_v, filter_);
+    if (!(static_cast<float>(disc.weight) > 0.0f)) {
+      ++out_.culled_degenerate;
+      return;
+    }
+    const double reach = std::hypot(disc.axis_u.z(), disc.axis_v.z());
+    if (std::max(c0.z(), c1.z()) + reach < out_.near) {
+      ++out_.culled_near;
+      return;
+    }
+    kernel.axis_u = disc.axis_u.cast<float>();
+    kernel.axis_v = disc.axis_v.cast<float>();
+    kernel.weight = static_cast<float>(disc.weight);
+    kernel.depth_tolerance = static_cast<float>(scene_.model.depth_tolerance * disc.size);
+    kernel.facing.setZero();
+    // Normalised before it becomes a float: the product of two tiny axes would underflow.
+    if (!object.two_sided) kernel.facing = (side * axis_u.cross(axis_v).normalized()).cast<float>();
+    const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
+    kernel.color.head<3>() =
+        opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);
+    kernel.color.w() = opacity;
+    if (kernel.still()) ++out_.still_kernels;
+    out_.kernels.push_back(kernel);
+  }
+
+  const Scene& scene_;
+  KernelSet& out_;
+  PixelFilter filter_;
+  double tangent_ = 1.0;
+};
+
+}  // namespace
+
+KernelSet build_kernels(const Scene& scene) {
+  KernelSet set;
+  Builder builder(scene, set);
+  for (const Object& object : scene.objects) builder.add(object);
+  sort_by_content(set.kernels);
+  return set;
+}
+
+}  // namespace swept
