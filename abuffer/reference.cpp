@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include "abuffer/reference_frame.h"
@@ -138,7 +139,9 @@ Status validate(const Scene& scene, const ReferenceOptions& options) {
 template <class Work>
 Result<Rendered> run_in_arena(int threads, const Work& work) {
   try {
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    // An arena larger than the machine gains nothing, and makes oneTBB print a warning.
+    const int available = tbb::info::default_concurrency();
+    tbb::task_arena arena(threads > 0 ? std::min(threads, available) : available);
     return arena.execute(work);
   } catch (const std::bad_alloc&) {
     return Error{"", "", "not enough memory to render the reference"};

@@ -19,7 +19,7 @@ enum class ReferenceMotion {
 
 struct ReferenceOptions {
   int samples = 256;  ///< N, still images averaged; even, [2, 2²⁰]
-  int threads = 0;    ///< [0, 1024]; 0: all. Changes no bit of the image
+  int threads = 0;    ///< at most so many, [0, 1024]; 0: all there are. Changes no bit
   ReferenceMotion motion = ReferenceMotion::segments;
 
   [[nodiscard]] Status validate() const;
