@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
@@ -23,8 +22,6 @@ using Eigen::Vector4d;
 // Values are at most 1 and end as floats, which rounds by 2⁻²⁵; so do the colours and axes they are computed
 // from. Four such errors cover every sum below.
 constexpr double float_rounding = 0x1p-23;
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 /// 48 × 32 px, focal length 32 px, near plane at 1.
 struct Stage {
@@ -127,7 +124,7 @@ TEST(Reference, StillDiscIsItsKernel) {
     const Vector4d expected =
         alpha * disc.color.cast<double>() + (1.0 - alpha) * stage.scene.background.cast<double>();
     EXPECT_LE((pixel(rendered.image, x, y) - expected).cwiseAbs().maxCoeff(), float_rounding);
-    EXPECT_EQ(depth_at(rendered.image, x, y), rho > 0.0 ? 4.0f : infinity);
+    EXPECT_EQ(depth_at(rendered.image, x, y), rho > 0.0 ? 4.0f : HUGE_VALF);
     covered += rho > 0.0;
   });
   // π · (8 px)² pixels, give or take the circle's perimeter.
