@@ -189,7 +189,8 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
     for (auto& triangle : set.triangle) {
       for (std::uint32_t& corner : triangle) corner = index_of[corner];
     }
-    std::erase_if(set.triangle, [](const auto& t) { return std::find(t.begin(), t.end(), kDropped) != t.end(); });
+    std::erase_if(set.triangle,
+                  [](const auto& t) { return std::find(t.begin(), t.end(), kDropped) != t.end(); });
     set.notes.push_back("dropped " + std::to_string(dropped) + " of " + std::to_string(count) +
                         " points for numbers that are not finite");
   }

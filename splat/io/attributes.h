@@ -41,7 +41,8 @@ struct AttributePlan {
 
 /// Puts the set together. `values[c]` has one number per point for every needed column c. Triangles refer to
 /// the file's points; those that lose a corner to options.skip_invalid are dropped. Errors: no
-/// points, numbers that are not finite (or beyond single precision), negative radii, opacities outside [0, 1].
+/// points, numbers that are not finite (or beyond single precision), negative radii, opacities outside [0,
+/// 1].
 [[nodiscard]] Result<PointSet> assemble_points(const std::string& path, const std::vector<Column>& columns,
                                                const AttributePlan& plan,
                                                const std::vector<std::vector<double>>& values,

@@ -47,7 +47,7 @@ bool LineScanner::next_line() {
     line_ = text_.substr(0, length);
     text_.remove_prefix(std::min(length + 1, text_.size()));
     ++line_number_;
-    line_ = line_.substr(0, std::min(line_.find('#'), line_.find("//")));
+    line_ = line_.substr(0, line_.find('#'));
     if (line_.find_first_not_of(blanks_) != line_.npos) return true;
   }
   return false;

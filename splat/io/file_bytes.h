@@ -17,7 +17,7 @@ namespace swept {
 /// Beyond the range of double: infinity, or zero.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
-/// Lines of a text without their comments, and the tokens of each.
+/// Lines of a text without what follows a #, and the tokens of each.
 class LineScanner {
  public:
   /// `separators` part tokens, besides space and tab.

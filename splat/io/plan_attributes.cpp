@@ -39,7 +39,8 @@ std::vector<Attribute> known_attributes() {
 }
 
 std::optional<std::size_t> find_column(const std::vector<Column>& columns, const std::string& name) {
-  const auto it = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+  const auto it =
+      std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
   if (it == columns.end()) return std::nullopt;
   return static_cast<std::size_t>(it - columns.begin());
 }
@@ -76,8 +77,9 @@ Result<std::vector<std::size_t>> mapped_columns(const std::string& path, const s
   const Names names = split_names(list);
   const std::string field = std::string("attributes.") + attribute.name;
   if (names.size() < attribute.least || names.size() > attribute.most) {
-    return Error{path, field, "names " + std::to_string(names.size()) + " properties, must name " +
-                                  std::to_string(attribute.least)};
+    return Error{path, field,
+                 "names " + std::to_string(names.size()) + " properties, must name " +
+                     std::to_string(attribute.least)};
   }
   std::vector<std::size_t> found;
   for (const std::string& name : names) {
@@ -127,9 +129,11 @@ Result<AttributePlan> plan_attributes(const std::string& path, const std::vector
                                       const ReadOptions& options) {
   const std::vector<Attribute> attributes = known_attributes();
   for (const auto& [name, list] : options.attributes) {
-    if (std::none_of(attributes.begin(), attributes.end(), [&](const Attribute& a) { return a.name == name; })) {
-      return Error{path, "attributes." + name,
-                   "is not an attribute; known are position, normal, velocity, color, radius, width, opacity"};
+    if (std::none_of(attributes.begin(), attributes.end(),
+                     [&](const Attribute& a) { return a.name == name; })) {
+      return Error{
+          path, "attributes." + name,
+          "is not an attribute; known are position, normal, velocity, color, radius, width, opacity"};
     }
   }
   std::map<std::string_view, std::vector<std::size_t>> found;
@@ -149,7 +153,8 @@ Result<AttributePlan> plan_attributes(const std::string& path, const std::vector
     plan.position = *position;
   } else {
     for (const char* name : {"x", "y", "z"}) {
-      if (!find_column(columns, name)) return Error{path, name, "the file has no such property: no positions"};
+      if (!find_column(columns, name))
+        return Error{path, name, "the file has no such property: no positions"};
     }
     return Error{path, "attributes.position", "names no properties: no positions"};
   }

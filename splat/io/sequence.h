@@ -19,7 +19,7 @@ struct NumberedFile {
 };
 
 /// The existing files of a pattern (placeholder in the file name, not in a folder's), by increasing
-/// number. Errors: as sequence_path, an unreadable folder, no such file, two files with one number.
+/// number. Errors: as sequence_path, an unreadable folder, no such file.
 [[nodiscard]] Result<std::vector<NumberedFile>> list_sequence(const std::string& pattern);
 
 /// "1-100x2,120": ranges with an optional step ≥ 1, in the order given, each frame once. Errors: anything

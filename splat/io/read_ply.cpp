@@ -1,0 +1,222 @@
+// PLY with positions in double, both byte orders, lists anywhere, and triangle strips. Written here rather
+// than taken from PCL or OpenMesh: those read positions as float and believe the header's counts.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "splat/io/attributes.h"
+#include "splat/io/file_bytes.h"
+#include "splat/io/ply_header.h"
+#include "splat/io/read_formats.h"
+
+namespace swept {
+namespace {
+
+template <class T>
+double load(const char* from, bool swap) {
+  std::array<char, sizeof(T)> raw;
+  std::memcpy(raw.data(), from, sizeof(T));
+  if (swap) std::reverse(raw.begin(), raw.end());
+  return static_cast<double>(std::bit_cast<T>(raw));
+}
+
+double load_number(const char* from, PlyType type, bool swap) {
+  if (type.kind == PlyType::Kind::real) {
+    return type.bytes == 4 ? load<float>(from, swap) : load<double>(from, swap);
+  }
+  const bool is_signed = type.kind == PlyType::Kind::signed_integer;
+  if (type.bytes == 1) return is_signed ? load<std::int8_t>(from, swap) : load<std::uint8_t>(from, swap);
+  if (type.bytes == 2) return is_signed ? load<std::int16_t>(from, swap) : load<std::uint16_t>(from, swap);
+  return is_signed ? load<std::int32_t>(from, swap) : load<std::uint32_t>(from, swap);
+}
+
+/// The numbers of the body, one after the other. next() gives none at the end or at what is no number;
+/// fault() then tells which.
+class NumberStream {
+ public:
+  NumberStream(std::string_view body, PlyFormat format)
+      : body_(body),
+        ascii_(format == PlyFormat::ascii),
+        swap_((format == PlyFormat::big_endian) != (std::endian::native == std::endian::big)) {}
+
+  std::optional<double> next(PlyType type) {
+    if (!ascii_) {
+      if (body_.size() < type.bytes) return std::nullopt;
+      const double value = load_number(body_.data(), type, swap_);
+      body_.remove_prefix(type.bytes);
+      return value;
+    }
+    body_.remove_prefix(std::min(body_.find_first_not_of(one_line_ ? " \t" : " \t\r\n"), body_.size()));
+    token_ = body_.substr(0, body_.find_first_of(" \t\r\n"));
+    body_.remove_prefix(token_.size());
+    return parse_number(token_);
+  }
+
+  /// In ASCII, holds the numbers up to end_row() to one line, so that a short row cannot eat into the next.
+  void begin_row() {
+    if (ascii_) body_.remove_prefix(std::min(body_.find_first_not_of(" \t\r\n"), body_.size()));
+    one_line_ = true;
+  }
+  /// Whether nothing else stands in the row.
+  bool end_row() {
+    one_line_ = false;
+    if (!ascii_) return true;
+    token_ = body_.substr(0, body_.find_first_not_of(" \t\r"));
+    body_.remove_prefix(token_.size());
+    return body_.empty() || body_.front() == '\n';
+  }
+
+  [[nodiscard]] std::string fault() const {
+    if (ascii_ && !token_.empty()) return not_a_number(token_);
+    return body_.empty() || !ascii_ ? "the file ends here" : "the line ends here";
+  }
+  /// Bytes that `count` numbers of this type take at the least.
+  [[nodiscard]] bool can_hold(std::uint64_t count, std::uint64_t least_bytes) const {
+    // One more: the last number of an ASCII file needs no blank after it.
+    return least_bytes == 0 || count <= (body_.size() + 1) / least_bytes;
+  }
+  [[nodiscard]] std::size_t least_bytes(PlyType type) const { return ascii_ ? 2 : type.bytes; }
+  [[nodiscard]] std::size_t bytes_left() const { return body_.size(); }
+
+ private:
+  std::string_view body_, token_;
+  bool ascii_, swap_, one_line_ = false;
+};
+
+double full_scale_of(PlyType type) {
+  if (type.kind == PlyType::Kind::real) return 0.0;
+  if (type.bytes == 4) return 255.0;  // nobody stores 32-bit colours; those who write ints mean bytes
+  const int bits = static_cast<int>(8 * type.bytes) - (type.kind == PlyType::Kind::signed_integer ? 1 : 0);
+  return std::ldexp(1.0, bits) - 1.0;
+}
+
+class PlyReader {
+ public:
+  PlyReader(const std::string& path, std::string_view bytes, PlyHeader header, const ReadOptions& options)
+      : path_(path),
+        header_(std::move(header)),
+        options_(options),
+        stream_(bytes.substr(header_.body), header_.format) {}
+
+  Result<PointSet> read() {
+    const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
+                                     [](const PlyElement& e) { return e.name == "vertex"; });
+    if (vertex == header_.elements.end()) return Error{path_, "vertex", "the file has no such element"};
+    vertex_count_ = vertex->count;
+    // Lists keep their place among the columns, under a name that nothing asks for.
+    for (const PlyProperty& p : vertex->properties) {
+      columns_.push_back({p.is_list ? "" : p.name, full_scale_of(p.type)});
+    }
+    Result<AttributePlan> plan = plan_attributes(path_, columns_, options_);
+    if (!plan) return plan.error();
+    needed_ = plan->needed(columns_.size());
+    values_.resize(columns_.size());
+
+    for (const PlyElement& element : header_.elements) {
+      if (Status s = read_element(element); !s) return s.error();
+    }
+    return assemble_points(path_, columns_, *plan, values_, std::move(triangles_), options_);
+  }
+
+ private:
+  Status read_element(const PlyElement& element) {
+    if (element.properties.empty()) return Done{};
+    std::uint64_t least = 0;
+    for (const PlyProperty& p : element.properties) {
+      least += stream_.least_bytes(p.is_list ? p.count_type : p.type);
+    }
+    if (!stream_.can_hold(element.count, least)) {
+      return Error{path_, element.name,
+                   "the header promises " + std::to_string(element.count) + " of at least " +
+                       std::to_string(least) + " bytes each, the file has " +
+                       std::to_string(stream_.bytes_left()) + " bytes left"};
+    }
+    const bool is_vertex = element.name == "vertex", one_line = !element.has_lists();
+    if (is_vertex) {
+      for (std::size_t c = 0; c < values_.size(); ++c) {
+        if (needed_[c]) values_[c].reserve(static_cast<std::size_t>(element.count));
+      }
+    }
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      if (one_line) stream_.begin_row();
+      for (std::size_t c = 0; c < element.properties.size(); ++c) {
+        const PlyProperty& property = element.properties[c];
+        if (property.is_list) {
+          if (Status s = read_list(element, property, row); !s) return s;
+          continue;
+        }
+        const std::optional<double> value = stream_.next(property.type);
+        if (!value) return fail(element, property, row, stream_.fault());
+        if (is_vertex && needed_[c]) values_[c].push_back(*value);
+      }
+      if (one_line && !stream_.end_row()) {
+        return fail(element, element.properties.back(), row, "the line goes on after it");
+      }
+    }
+    return Done{};
+  }
+
+  Status read_list(const PlyElement& element, const PlyProperty& property, std::uint64_t row) {
+    const std::optional<double> length = stream_.next(property.count_type);
+    if (!length) return fail(element, property, row, stream_.fault());
+    if (!(*length >= 0.0 && *length == std::floor(*length) && *length < 0x1p53)) {
+      return fail(element, property, row, "the length of its list is not a whole number ≥ 0");
+    }
+    const auto count = static_cast<std::uint64_t>(*length);
+    if (!stream_.can_hold(count, stream_.least_bytes(property.type))) {
+      return fail(element, property, row,
+                  "its list of " + std::to_string(count) + " entries runs past the end of the file");
+    }
+    const bool is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
+    const bool is_strip = element.name == "tristrips" && is_corners;
+    const bool wanted = is_strip || (element.name == "face" && is_corners);
+    corners_.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::optional<double> value = stream_.next(property.type);
+      if (!value) return fail(element, property, row, stream_.fault());
+      if (!wanted) continue;
+      const bool valid =
+          *value >= 0.0 && *value < static_cast<double>(vertex_count_) && *value == std::floor(*value);
+      if (!valid && !(is_strip && *value == -1.0)) {
+        return fail(element, property, row,
+                    "an index does not name one of the " + std::to_string(vertex_count_) + " vertices");
+      }
+      corners_.push_back(static_cast<std::int64_t>(*value));
+    }
+    if (is_strip) {
+      add_strips(corners_, triangles_);
+    } else if (wanted) {
+      add_fan({corners_.begin(), corners_.end()}, triangles_);
+    }
+    return Done{};
+  }
+
+  [[nodiscard]] Error fail(const PlyElement& element, const PlyProperty& property, std::uint64_t row,
+                           const std::string& reason) const {
+    return {path_, property.name, element.name + " " + std::to_string(row) + ": " + reason};
+  }
+
+  const std::string& path_;
+  PlyHeader header_;
+  const ReadOptions& options_;
+  NumberStream stream_;
+  std::uint64_t vertex_count_ = 0;
+  std::vector<Column> columns_;
+  std::vector<bool> needed_;
+  std::vector<std::vector<double>> values_;
+  std::vector<std::int64_t> corners_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace
+
+Result<PointSet> read_ply(const std::string& path, std::string_view bytes, const ReadOptions& options) {
+  Result<PlyHeader> header = parse_ply_header(path, bytes);
+  if (!header) return header.error();
+  return PlyReader(path, bytes, *std::move(header), options).read();
+}
+
+}  // namespace swept
