@@ -5,12 +5,23 @@
 namespace swept::datasets {
 namespace {
 
+// A square wave of period 2, +1 on [0, 1) and -1 on [1, 2), whose edges are `soft` wide.
+double stripes(double x, double soft) {
+  const double within = x - 2.0 * std::floor(0.5 * x);
+  const double from_edge = 0.5 - std::abs(std::abs(within - 1.0) - 0.5);  // to the nearest whole number
+  const double height = std::min(1.0, 2.0 * from_edge / soft);
+  return within < 1.0 ? height : -height;
+}
+
 // Rows get closer towards +z, where the camera is, so that the points go where the pixels are: density is
 // linear in z and at the near edge `grade` times that of the far edge.
 Result<SurfelCloud> build_plane(const Request& request) {
   const double width = request.number("width"), depth = request.number("depth");
   const double tile = request.number("tile"), grade = request.number("grade"), fade = request.number("fade");
-  const Eigen::Vector3d light = srgb(0x8b93a7), dark = srgb(0x2a3145);
+  const double contrast = request.number("contrast");
+  const Eigen::Vector3d middle = mix(srgb(0x8b93a7), srgb(0x2a3145), 0.5);
+  const Eigen::Vector3d light = mix(middle, srgb(0x8b93a7), contrast),
+                        dark = mix(middle, srgb(0x2a3145), contrast);
 
   CloudBuilder builder(request);
   builder.add_patch(request.points(), CloudBuilder::Sides::both, [&](double u, double v) {
@@ -21,10 +32,12 @@ Result<SurfelCloud> build_plane(const Request& request) {
     const double x = width * (v - 0.5), z = depth * (t - 0.5);
     Eigen::Vector3d along_z(0.0, 0.0, depth * half / root), along_x(width, 0.0, 0.0);
     even_out(along_z, along_x);
-    const bool checked = ((cell(x / tile, 2) + cell(z / tile, 2)) & 1) == 0;
+    // Seen at a shallow angle, so the edges of tiles are softened to what the sampling can hold.
+    const double spacing = along_z.norm() / std::sqrt(static_cast<double>(request.points()));
+    const double check = stripes(x / tile, spacing / tile) * stripes(z / tile, spacing / tile);
     const double r = std::hypot(2.0 * x / width, 2.0 * z / depth);
     const double shown = 1.0 - fade * smoothstep(0.15, 1.0, r);
-    return SurfaceSample{{x, 0.0, z}, along_z, along_x, shown * (checked ? light : dark)};
+    return SurfaceSample{{x, 0.0, z}, along_z, along_x, shown * mix(dark, light, 0.5 + 0.5 * check)};
   });
   return builder.take();
 }
@@ -67,6 +80,7 @@ Shape plane_shape() {
            {"depth", 4, 1e-3, 1e4, false, "along z, object units"},
            {"tile", 0.5, 1e-4, 1e4, false, "side of a tile, object units"},
            {"grade", 1, 1, 100, false, "density of points at the +z edge over that at the -z edge"},
+           {"contrast", 1, 0, 1, false, "between light and dark tiles; 0: one colour"},
            {"fade", 0, 0, 1, false, "how much darker the rim is than the middle"}},
           build_plane};
 }

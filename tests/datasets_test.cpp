@@ -1,10 +1,14 @@
-// The generators: counts, determinism, coverage without holes, closed surfaces, errors.
+// The generators: counts, determinism, coverage without holes, closed surfaces, errors. And the scenes made
+// of them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -13,6 +17,8 @@
 
 #include "datasets/generators.h"
 #include "datasets/sampling.h"
+#include "splat/io/scene_file.h"
+#include "splat/kernel_set.h"
 
 namespace {
 
@@ -286,5 +292,55 @@ TEST(Apportion, SumsToTheTotalAndFollowsTheAreas) {
   EXPECT_EQ(apportion(1, {1.0, 3.0}), (std::vector<std::size_t>{0, 1}));
   EXPECT_EQ(apportion(7, {0.0, 1.0}), (std::vector<std::size_t>{0, 7}));
 }
+
+class EveryScene : public testing::TestWithParam<std::string> {
+ protected:
+  /// With a hundredth of the points; nothing of what is checked here depends on their number.
+  void SetUp() override {
+    swept::SceneOverrides overrides;
+    overrides.points_scale = 0.01;
+    auto file = swept::read_scene_file(SWEPT_SCENES "/" + GetParam() + ".json", overrides);
+    ASSERT_TRUE(file.ok()) << file.error().message();
+    file_.emplace(*std::move(file));
+    const auto scene = file_->scene_at(file_->scene().frame, swept::generate);
+    ASSERT_TRUE(scene.ok()) << scene.error().message();
+    scene_ = scene.value();
+    const swept::Status status = scene_->validate();
+    ASSERT_TRUE(status.ok()) << status.error().message();
+  }
+  std::optional<swept::SceneFile> file_;
+  const swept::Scene* scene_ = nullptr;
+};
+
+TEST_P(EveryScene, LoadsAndMovesAsFarAsBlurIsWorthLookingAt) {
+  const swept::KernelSet set = swept::build_kernels(*scene_);
+  ASSERT_GT(set.kernels.size(), 100u);
+  if (GetParam() == "still") {
+    EXPECT_EQ(set.still_kernels, set.kernels.size());
+    return;
+  }
+  double longest_px = 0.0;  // of the way of a surfel over the whole exposure, had its segment lasted
+  for (const swept::MovingKernel& kernel : set.kernels) {
+    if (kernel.center.z() < 1.0) continue;
+    const double z = kernel.center.z();
+    const Eigen::Vector2d moved =
+        kernel.velocity.head<2>() - kernel.center.head<2>() / z * kernel.velocity.z();
+    longest_px = std::max(longest_px, set.projection.focal_px * moved.norm() / z);
+  }
+  EXPECT_GT(longest_px, 40.0);
+  EXPECT_LT(longest_px, 1000.0);
+}
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(SWEPT_SCENES)) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(scene_names()),
+                         [](const auto& instance) { return instance.param; });
 
 }  // namespace
