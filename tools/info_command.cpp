@@ -1,0 +1,144 @@
+#include "tools/info_command.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/core.h>
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
+
+#include "datasets/generators.h"
+#include "splat/io/scene_file.h"
+#include "tools/scene_options.h"
+#include "tools/scene_report.h"
+
+namespace swept {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoArguments {
+  std::string scene;
+  std::optional<double> frame;
+  bool json = false;
+  std::shared_ptr<const SceneOverrides> overrides;
+};
+
+std::string text_of(const Eigen::Vector3d& v) {
+  // Enough digits for a centimetre at survey coordinates, without the noise of a double's last ones.
+  return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
+}
+
+const char* yes(bool value) { return value ? "yes" : "no"; }
+
+void print_text(const SceneFile& file, const Scene& scene, const SceneReport& report) {
+  const Film& film = scene.film;
+  const CameraReport& camera = report.camera;
+  fmt::print("scene     {}, hash {}\n", file.path(), file.hash(""));
+  fmt::print("frame     {} at {}/{} frames per second\n", report.frame, scene.fps.numerator,
+             scene.fps.denominator);
+  fmt::print("shutter   {} to {} frames, {:.6g} s, {:.6g} degrees\n", scene.shutter.open, scene.shutter.close,
+             report.exposure_seconds, report.shutter_angle_degrees);
+  fmt::print("film      {} x {} px, window {} x {} at {}, {}\n", film.width, film.height, film.window_width(),
+             film.window_height(), film.crop_x, film.crop_y);
+  fmt::print("camera    mid-shutter, world space, {}\n",
+             camera.moves ? "moves while the shutter is open" : "stands still");
+  fmt::print("  eye     {}\n  right   {}\n  down    {}\n  forward {}\n", text_of(camera.eye),
+             text_of(camera.right), text_of(camera.down), text_of(camera.forward));
+  fmt::print("  fov     {:.6g} degrees horizontal, {:.6g} vertical; near {:.6g} world units\n",
+             camera.fov_x_degrees, camera.fov_y_degrees, camera.near);
+  fmt::print("objects   {}, lengths in world units\n", report.objects.size());
+  for (const ObjectReport& object : report.objects) {
+    fmt::print("  {}\n", object.name);
+    fmt::print("    source    {}\n", object.source);
+    fmt::print("    points    {}, {} keys\n", object.points, object.keys);
+    fmt::print("    moves     points {}, object {}; {} segments\n", yes(object.points_move),
+               yes(object.object_moves), object.segments);
+    fmt::print("    surface   {}, {}\n", object.two_sided ? "two-sided" : "one-sided",
+               object.has_opacity ? "transparent in places" : "opaque");
+    if (object.points > 0)
+      fmt::print("    bounds    {}  to  {}\n", text_of(object.low), text_of(object.high));
+  }
+  fmt::print("effects\n");
+  for (const std::string& effect : report.effects) fmt::print("  {}\n", effect);
+  if (!file.notes().empty()) fmt::print("notes\n");
+  for (const std::string& note : file.notes()) fmt::print("  {}\n", note);
+}
+
+Json json_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json_of(const ObjectReport& object) {
+  Json json = {{"name", object.name},
+               {"source", object.source},
+               {"points", object.points},
+               {"keys", object.keys},
+               {"points_move", object.points_move},
+               {"object_moves", object.object_moves},
+               {"segments", object.segments},
+               {"two_sided", object.two_sided},
+               {"has_opacity", object.has_opacity},
+               {"bounds", nullptr}};
+  if (object.points > 0) json["bounds"] = {{"low", json_of(object.low)}, {"high", json_of(object.high)}};
+  return json;
+}
+
+void print_json(const SceneFile& file, const Scene& scene, const SceneReport& report) {
+  const Film& film = scene.film;
+  const CameraReport& camera = report.camera;
+  Json json = {{"scene", file.path()},
+               {"hash", file.hash("")},
+               {"frame", report.frame},
+               {"fps", {scene.fps.numerator, scene.fps.denominator}},
+               {"shutter", {{"open", scene.shutter.open}, {"close", scene.shutter.close}}},
+               {"exposure_seconds", report.exposure_seconds},
+               {"shutter_angle_degrees", report.shutter_angle_degrees},
+               {"film", {{"width", film.width}, {"height", film.height}}},
+               {"window", {film.crop_x, film.crop_y, film.window_width(), film.window_height()}},
+               {"camera",
+                {{"eye", json_of(camera.eye)},
+                 {"right", json_of(camera.right)},
+                 {"down", json_of(camera.down)},
+                 {"forward", json_of(camera.forward)},
+                 {"fov_x_degrees", camera.fov_x_degrees},
+                 {"fov_y_degrees", camera.fov_y_degrees},
+                 {"near", camera.near},
+                 {"moves", camera.moves}}},
+               {"effects", report.effects},
+               {"notes", file.notes()}};
+  json["objects"] = Json::array();
+  for (const ObjectReport& object : report.objects) json["objects"].push_back(json_of(object));
+  // A path need not be UTF-8.
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+int info(const InfoArguments& arguments) {
+  Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
+  if (!file) return report_scene_error("info", file.error());
+  const double frame = arguments.frame.value_or(file->scene().frame);
+  const Result<const Scene*> scene = file->scene_at(frame, generate);
+  if (!scene) return report_scene_error("info", scene.error());
+  const SceneReport report = report_scene(*file, **scene);
+  if (arguments.json)
+    print_json(*file, **scene, report);
+  else
+    print_text(*file, **scene, report);
+  return 0;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* command = app.add_subcommand("info", "Say what a scene file holds and what it resolves to");
+  command->add_option("scene", arguments->scene, "The scene file")->required()->type_name("FILE.json");
+  command->add_option("--frame", arguments->frame, "The frame to look at; by default the scene's own")
+      ->check(CLI::Range(-1e9, 1e9));
+  command->add_flag("--json", arguments->json, "Print JSON");
+  arguments->overrides = add_scene_options(*command);
+  command->callback([arguments, &exit_code] { exit_code = info(*arguments); });
+}
+
+}  // namespace swept

@@ -1,0 +1,285 @@
+#include "tools/render_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "abuffer/abuffer.h"
+#include "abuffer/reference.h"
+#include "datasets/generators.h"
+#include "splat/io/atomic_file.h"
+#include "splat/io/image_file.h"
+#include "splat/io/scene_file.h"
+#include "splat/io/sequence.h"
+#include "tools/outputs.h"
+#include "tools/progress.h"
+#include "tools/scene_options.h"
+#include "tools/stats_json.h"
+
+namespace swept {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RenderArguments {
+  std::string scene, output, preview, stats;
+  std::string method = "abuffer", motion = "segments";
+  std::vector<int> frames;  ///< empty: the scene's own
+  std::optional<int> samples;
+  bool motion_given = false, overwrite = false, skip_existing = false, dry_run = false;
+  int threads = 0;
+  std::shared_ptr<const SceneOverrides> overrides;
+};
+
+/// A renderer with its options filled in.
+struct Method {
+  std::function<Result<Rendered>(const Scene&)> render;
+  std::vector<std::pair<std::string, double>> options;
+  std::string description;  ///< what of method and options is in the image
+};
+
+Method choose_method(const RenderArguments& arguments) {
+  if (arguments.method == "abuffer") {
+    if (arguments.samples) throw CLI::ValidationError("--samples", "goes with --method reference");
+    if (arguments.motion_given)
+      throw CLI::ValidationError("--reference-motion", "goes with --method reference");
+    AbufferOptions options;
+    options.threads = arguments.threads;
+    return {[options](const Scene& scene) { return render_abuffer(scene, options); },
+            {{"threads", options.threads}},
+            "abuffer"};
+  }
+  ReferenceOptions options;
+  options.threads = arguments.threads;
+  options.samples = arguments.samples.value_or(options.samples);
+  options.motion = arguments.motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
+  if (const Status valid = options.validate(); !valid)
+    throw CLI::ValidationError("--samples", valid.error().reason);
+  return {[options](const Scene& scene) { return render_reference(scene, options); },
+          {{"threads", options.threads}, {"samples", options.samples}},
+          fmt::format("reference {} {}", options.samples, arguments.motion)};
+}
+
+ImageMetadata metadata_of(const Scene& scene, const std::string& hash) {
+  const double length = scene.shutter.close - scene.shutter.open;
+  ImageMetadata metadata;
+  metadata.fps_numerator = scene.fps.numerator;
+  metadata.fps_denominator = scene.fps.denominator;
+  metadata.exposure_seconds = length * scene.fps.denominator / scene.fps.numerator;
+  metadata.shutter_open = scene.shutter.open;
+  metadata.shutter_close = scene.shutter.close;
+  const double middle = scene.frame + scene.shutter.open + 0.5 * length;
+  metadata.world_to_camera = scene.camera.at(middle).camera_from_world.matrix();
+  metadata.scene_hash = hash;
+  metadata.software = "swept " SWEPT_VERSION;
+  return metadata;
+}
+
+/// Seconds since the last call, or since it was made.
+class Stopwatch {
+ public:
+  double lap() {
+    const Clock::time_point last = std::exchange(start_, Clock::now());
+    return std::chrono::duration<double>(start_ - last).count();
+  }
+
+ private:
+  Clock::time_point start_ = Clock::now();
+};
+
+Result<FrameStatistics> render_frame(SceneFile& file, const FrameOutput& output, const Method& method,
+                                     const std::string& hash) {
+  FrameStatistics statistics;
+  statistics.frame = output.frame;
+  statistics.output = output.image;
+  Stopwatch watch;
+  const Result<const Scene*> scene = file.scene_at(output.frame, generate);
+  if (!scene) return scene.error();
+  statistics.load_seconds = watch.lap();
+  statistics.notes = file.notes();
+  Result<Rendered> rendered = method.render(**scene);
+  if (!rendered) {
+    Error error = rendered.error();
+    if (error.file.empty()) error.file = file.path();
+    return error;
+  }
+  statistics.render_seconds = watch.lap();
+  statistics.statistics = std::move(rendered->statistics);
+  // The image last: whoever finds it finds the frame done.
+  if (!output.preview.empty())
+    if (const Status written = write_png(output.preview, rendered->image); !written) return written.error();
+  const Status written = write_exr(output.image, rendered->image, metadata_of(**scene, hash));
+  if (!written) return written.error();
+  statistics.write_seconds = watch.lap();
+  return statistics;
+}
+
+int fail(const Error& error, int exit_code = 1) {
+  fmt::print(stderr, "swept render: {}\n", error.message());
+  return exit_code;
+}
+
+/// Loads what the frames need and prints what would be done with them.
+int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
+  for (const FrameOutput& output : outputs) {
+    const std::string name = output.image.empty() ? "" : " " + output.image;
+    if (output.skip) {
+      fmt::print("frame {}: skip{}\n", output.frame, name);
+      continue;
+    }
+    const Result<const Scene*> scene = file.scene_at(output.frame, generate);
+    if (!scene) return fail(scene.error());
+    std::size_t points = 0;
+    for (const Object& object : (*scene)->objects) points += object.cloud.size();
+    fmt::print("frame {}: render{} {} points\n", output.frame, name, points);
+  }
+  return 0;
+}
+
+/// Options that contradict each other; thrown as a parse error.
+void check_arguments(const RenderArguments& arguments) {
+  if (arguments.output.empty() && !arguments.dry_run)
+    throw CLI::ValidationError("--output", "is required without --dry-run");
+  const auto check_extension = [](const char* option, const std::string& path, const char* extension) {
+    if (!path.empty() && std::filesystem::path(path).extension() != extension)
+      throw CLI::ValidationError(option, fmt::format("must end in {}: {}", extension, path));
+  };
+  check_extension("--output", arguments.output, ".exr");
+  check_extension("--preview", arguments.preview, ".png");
+  check_extension("--stats-json", arguments.stats, ".json");
+}
+
+/// The statistics must not replace the scene they are about.
+Status check_stats_path(const RenderArguments& arguments, Existing existing) {
+  std::error_code code;
+  if (std::filesystem::equivalent(arguments.stats, arguments.scene, code))
+    return Error{arguments.stats, "--stats-json", "is the scene file"};
+  return check_output_file(arguments.stats, existing);
+}
+
+int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const Method& method,
+               const RenderArguments& arguments) {
+  RunStatistics run;
+  run.software = "swept " SWEPT_VERSION;
+  run.scene = arguments.scene;
+  run.scene_hash = file.hash(method.description);
+  run.method = arguments.method;
+  run.width = file.scene().film.width;
+  run.height = file.scene().film.height;
+  run.options = method.options;
+  {
+    Progress progress(outputs.size());
+    std::set<std::string> told;
+    for (const FrameOutput& output : outputs) {
+      if (output.skip) {
+        progress.skip_frame(output.frame, output.image);
+        run.frames.push_back({output.frame, output.image, true, 0.0, 0.0, 0.0, {}, {}});
+        continue;
+      }
+      progress.begin_frame(output.frame);
+      Result<FrameStatistics> frame = render_frame(file, output, method, run.scene_hash);
+      if (!frame) {
+        Error error = frame.error();
+        error.reason += fmt::format(" (frame {})", output.frame);
+        progress.note("swept render: " + error.message());
+        return 1;
+      }
+      for (const std::string& note : frame->notes)
+        if (told.insert(note).second) progress.note("note: " + note);
+      progress.end_frame(output.frame, frame->load_seconds + frame->render_seconds + frame->write_seconds,
+                         output.image);
+      run.frames.push_back(std::move(*frame));
+    }
+  }
+  if (arguments.stats.empty()) return 0;
+  const Status written = write_file(arguments.stats, to_json(run));
+  return written ? 0 : fail(written.error());
+}
+
+int render(const RenderArguments& arguments) {
+  check_arguments(arguments);
+  const Method method = choose_method(arguments);
+  std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());
+  // What the command line alone gets wrong is found without the scene.
+  if (frames.size() > 1) {
+    const auto named = name_outputs(frames, arguments.output, arguments.preview);
+    if (!named) return fail(named.error(), 2);
+  }
+  Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
+  if (!file) return report_scene_error("render", file.error());
+  if (frames.empty()) frames.push_back(file->scene().frame);
+  Result<std::vector<FrameOutput>> outputs = name_outputs(frames, arguments.output, arguments.preview);
+  if (!outputs) return fail(outputs.error(), 2);
+  const Existing existing = arguments.overwrite       ? Existing::overwrite
+                            : arguments.skip_existing ? Existing::skip
+                                                      : Existing::refuse;
+  if (const Status status = check_outputs(*outputs, existing); !status) return fail(status.error());
+  if (!arguments.stats.empty())
+    if (const Status status = check_stats_path(arguments, existing); !status) return fail(status.error());
+  return arguments.dry_run ? dry_run(*file, *outputs) : render_all(*file, *outputs, method, arguments);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command = app.add_subcommand("render", "Render frames of a scene file to OpenEXR");
+  command->add_option("scene", arguments->scene, "The scene file")->required()->type_name("FILE.json");
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Where to write; for several frames with a number pattern, frame.%04d.exr or "
+                   "frame.####.exr")
+      ->type_name("FILE.exr");
+  command
+      ->add_option("--preview", arguments->preview,
+                   "Write an sRGB preview too, with a pattern as for --output")
+      ->type_name("FILE.png");
+  command
+      ->add_option_function<std::string>(
+          "--frames",
+          [arguments](const std::string& text) {
+            const Result<std::vector<int>> frames = parse_frame_ranges(text);
+            if (!frames) throw CLI::ValidationError("--frames", frames.error().reason);
+            arguments->frames = *frames;
+          },
+          "Frames to render, e.g. 1-100x2,120; by default the scene's own")
+      ->type_name("RANGES");
+  auto* overwrite = command->add_flag("--overwrite", arguments->overwrite, "Replace files that exist");
+  command->add_flag("--skip-existing", arguments->skip_existing, "Leave out frames that exist")
+      ->excludes(overwrite);
+  command->add_flag("--dry-run", arguments->dry_run,
+                    "Read everything, check the outputs, print the plan and render nothing");
+  command->add_option("--method", arguments->method, "The exact A-buffer, or the mean of many still images")
+      ->check(CLI::IsMember({"abuffer", "reference"}))
+      ->capture_default_str();
+  command->add_option("--samples", arguments->samples, "Still images of the reference, even [256]");
+  const auto* motion =
+      command
+          ->add_option("--reference-motion", arguments->motion,
+                       "What the reference moves the points along: the linear segments, or the true path")
+          ->check(CLI::IsMember({"segments", "smooth"}))
+          ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Threads; 0 takes all, and none changes a bit")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--stats-json", arguments->stats, "Write counts and times of every frame")
+      ->type_name("FILE.json");
+  arguments->overrides = add_scene_options(*command);
+  command->callback([arguments, motion, &exit_code] {
+    arguments->motion_given = motion->count() > 0;
+    exit_code = render(*arguments);
+  });
+}
+
+}  // namespace swept

@@ -1,0 +1,124 @@
+#include "tools/scene_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <variant>
+
+#include <fmt/core.h>
+
+namespace swept {
+namespace {
+
+std::string describe(const ObjectSource& source) {
+  if (const auto* generator = std::get_if<GeneratorSource>(&source.points))
+    return "generator " + generator->shape;
+  if (const auto* file = std::get_if<FileSource>(&source.points))
+    return file->end_path.empty() ? file->path : file->path + " to " + file->end_path;
+  const auto& sequence = std::get<SequenceSource>(source.points);
+  return fmt::format("{} {}-{}{}", sequence.pattern, sequence.first, sequence.last,
+                     sequence.cycle ? ", cyclic" : "");
+}
+
+bool points_move(const SurfelCloud& cloud, double open, double close) {
+  if (open == close || cloud.size() == 0) return false;
+  if (cloud.keys.size() > 1) return open < cloud.keys.back().frame && close > cloud.keys.front().frame;
+  return std::any_of(cloud.velocity.begin(), cloud.velocity.end(),
+                     [](const Eigen::Vector3f& velocity) { return !velocity.isZero(0.0f); });
+}
+
+ObjectReport report_object(const Scene& scene, const Object& object, const ObjectSource& source) {
+  const double open = scene.frame + scene.shutter.open, close = scene.frame + scene.shutter.close;
+  const SurfelCloud& cloud = object.cloud;
+  ObjectReport report;
+  report.name = object.name;
+  report.source = describe(source);
+  report.points = cloud.size();
+  report.keys = cloud.keys.size();
+  report.points_move = points_move(cloud, open, close);
+  report.object_moves = !object.transform.constant_over(open, close);
+  report.has_opacity =
+      std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float value) { return value < 1.0f; });
+  report.two_sided = object.two_sided;
+  report.segments = object.segments > 0 ? object.segments : scene.model.segments;
+  report.low.setConstant(std::numeric_limits<double>::infinity());
+  report.high = -report.low;
+  for (const double frame : {open, open + 0.5 * (close - open), close}) {
+    const Eigen::Affine3d world = object.transform.at(frame);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const SurfelInstant surfel = surfel_at(cloud, i, frame);
+      const Eigen::Vector3d center = world * surfel.position;
+      // An ellipse {c + u a₁ + v a₂} reaches √(a₁ᵢ² + a₂ᵢ²) along coordinate i.
+      const Eigen::Vector3d reach = ((world.linear() * surfel.axis_u).array().square() +
+                                     (world.linear() * surfel.axis_v).array().square())
+                                        .sqrt();
+      report.low = report.low.cwiseMin(center - reach);
+      report.high = report.high.cwiseMax(center + reach);
+    }
+  }
+  return report;
+}
+
+CameraReport report_camera(const Scene& scene) {
+  const double open = scene.frame + scene.shutter.open, close = scene.frame + scene.shutter.close;
+  const CameraInstant camera = scene.camera.at(open + 0.5 * (close - open));
+  const Eigen::Matrix3d axes = camera.camera_from_world.linear();
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  const double tan_x = camera.tan_half_fov_y * scene.film.width / scene.film.height;
+  return {camera.eye,
+          axes.row(0),
+          axes.row(1),
+          axes.row(2),
+          2.0 * std::atan(tan_x) * degrees,
+          2.0 * std::atan(camera.tan_half_fov_y) * degrees,
+          scene.camera.near,
+          !scene.camera.constant_over(open, close)};
+}
+
+std::vector<std::string> effects_of(const Scene& scene, const SceneReport& report) {
+  const auto count = [&](auto property) {
+    return std::count_if(report.objects.begin(), report.objects.end(), property);
+  };
+  std::vector<std::string> effects;
+  const auto points = count([](const ObjectReport& object) { return object.points_move; });
+  const auto objects = count([](const ObjectReport& object) { return object.object_moves; });
+  if (scene.shutter.open == scene.shutter.close)
+    effects.push_back("no motion blur: the shutter opens and closes at once");
+  else if (points + objects == 0 && !report.camera.moves)
+    effects.push_back("no motion blur: nothing moves while the shutter is open");
+  if (points > 0) effects.push_back(fmt::format("motion blur of points within {} objects", points));
+  if (objects > 0) effects.push_back(fmt::format("motion blur of {} whole objects", objects));
+  if (report.camera.moves) effects.push_back("motion blur of the camera");
+  int segments = 1;
+  for (const ObjectReport& object : report.objects)
+    if (object.points_move || object.object_moves || report.camera.moves)
+      segments = std::max(segments, object.segments);
+  if (segments > 1) effects.push_back(fmt::format("curved motion, up to {} linear segments", segments));
+  if (const auto n = count([](const ObjectReport& object) { return object.has_opacity; }); n > 0)
+    effects.push_back(fmt::format("transparency of {} objects", n));
+  if (const auto n = count([](const ObjectReport& object) { return !object.two_sided; }); n > 0)
+    effects.push_back(fmt::format("one-sided culling of {} objects", n));
+  if (scene.model.filter_radius_px > 0.0)
+    effects.push_back(fmt::format("pixel filter of {} px", scene.model.filter_radius_px));
+  effects.push_back(scene.model.coverage == Coverage::soft ? "soft silhouettes" : "hard silhouettes");
+  return effects;
+}
+
+}  // namespace
+
+SceneReport report_scene(const SceneFile& file, const Scene& scene) {
+  SceneReport report;
+  const double length = scene.shutter.close - scene.shutter.open;
+  report.frame = scene.frame;
+  report.exposure_seconds = length * scene.fps.denominator / scene.fps.numerator;
+  report.shutter_angle_degrees = 360.0 * length;
+  report.camera = report_camera(scene);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    report.objects.push_back(report_object(scene, scene.objects[i], file.sources()[i]));
+  report.effects = effects_of(scene, report);
+  return report;
+}
+
+}  // namespace swept

@@ -1,0 +1,43 @@
+// What a scene is, in numbers: the facts behind `swept info`.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/io/scene_file.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct ObjectReport {
+  std::string name, source;
+  std::size_t points = 0, keys = 0;
+  bool points_move = false;   ///< within the object, during the exposure
+  bool object_moves = false;  ///< its transform, during the exposure
+  bool has_opacity = false;   ///< some point is not opaque
+  bool two_sided = true;
+  int segments = 1;  ///< linear motion segments, resolved
+  /// World-space box of the discs at the shutter's open, middle and close; low > high if there are no points.
+  Eigen::Vector3d low, high;
+};
+
+struct CameraReport {
+  Eigen::Vector3d eye, right, down, forward;                    ///< world space, mid-shutter
+  double fov_x_degrees = 0.0, fov_y_degrees = 0.0, near = 0.0;  ///< near in world units
+  bool moves = false;                                           ///< during the exposure
+};
+
+struct SceneReport {
+  double frame = 0.0, exposure_seconds = 0.0, shutter_angle_degrees = 0.0;
+  CameraReport camera;
+  std::vector<ObjectReport> objects;
+  std::vector<std::string> effects;  ///< what rendering this frame calls for, one sentence each
+};
+
+/// `scene` is what `file` loaded last.
+[[nodiscard]] SceneReport report_scene(const SceneFile& file, const Scene& scene);
+
+}  // namespace swept

@@ -1,0 +1,46 @@
+#include "tools/stats_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace swept {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json object_of(const std::vector<std::pair<std::string, double>>& pairs) {
+  Json object = Json::object();
+  for (const auto& [name, value] : pairs) object[name] = value;
+  return object;
+}
+
+Json to_json(const FrameStatistics& frame) {
+  Json json = {{"frame", frame.frame}, {"output", frame.output}};
+  if (frame.skipped) {
+    json["skipped"] = true;
+    return json;
+  }
+  json["seconds"] = {
+      {"load", frame.load_seconds}, {"render", frame.render_seconds}, {"write", frame.write_seconds}};
+  json["counters"] = object_of(frame.statistics.counters);
+  json["stages"] = object_of(frame.statistics.seconds);
+  json["effects"] = frame.statistics.effects;
+  json["notes"] = frame.notes;
+  return json;
+}
+
+}  // namespace
+
+std::string to_json(const RunStatistics& run) {
+  Json json = {{"software", run.software},
+               {"scene", run.scene},
+               {"scene_hash", run.scene_hash},
+               {"method", run.method},
+               {"film", {{"width", run.width}, {"height", run.height}}},
+               {"options", object_of(run.options)}};
+  json["frames"] = Json::array();
+  for (const FrameStatistics& frame : run.frames) json["frames"].push_back(to_json(frame));
+  // A path need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace swept

@@ -1,0 +1,32 @@
+// What a run did, for machines.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "abuffer/rendered.h"
+#include "splat/result.h"
+
+namespace swept {
+
+struct FrameStatistics {
+  double frame = 0.0;
+  std::string output;
+  bool skipped = false;
+  double load_seconds = 0.0, render_seconds = 0.0, write_seconds = 0.0;  ///< wall time
+  Statistics statistics;                                                 ///< the renderer's own
+  std::vector<std::string> notes;                                        ///< of the readers
+};
+
+struct RunStatistics {
+  std::string software, scene, scene_hash, method;
+  int width = 0, height = 0;                            ///< of the film, px
+  std::vector<std::pair<std::string, double>> options;  ///< of the method
+  std::vector<FrameStatistics> frames;
+};
+
+/// One JSON object, indented; numbers that are not finite become null.
+[[nodiscard]] std::string to_json(const RunStatistics& run);
+
+}  // namespace swept
