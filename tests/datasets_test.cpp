@@ -293,13 +293,13 @@ TEST(Apportion, SumsToTheTotalAndFollowsTheAreas) {
   EXPECT_EQ(apportion(7, {0.0, 1.0}), (std::vector<std::size_t>{0, 7}));
 }
 
-class EveryScene : public testing::TestWithParam<std::string> {
+class SceneTest : public testing::Test {
  protected:
   /// With a hundredth of the points; nothing of what is checked here depends on their number.
-  void SetUp() override {
+  void load(const std::string& name) {
     swept::SceneOverrides overrides;
     overrides.points_scale = 0.01;
-    auto file = swept::read_scene_file(SWEPT_SCENES "/" + GetParam() + ".json", overrides);
+    auto file = swept::read_scene_file(SWEPT_SCENES "/" + name + ".json", overrides);
     ASSERT_TRUE(file.ok()) << file.error().message();
     file_.emplace(*std::move(file));
     const auto scene = file_->scene_at(file_->scene().frame, swept::generate);
@@ -310,6 +310,14 @@ class EveryScene : public testing::TestWithParam<std::string> {
   }
   std::optional<swept::SceneFile> file_;
   const swept::Scene* scene_ = nullptr;
+};
+
+class EveryScene : public SceneTest, public testing::WithParamInterface<std::string> {
+  void SetUp() override { load(GetParam()); }
+};
+
+class BothEnds : public SceneTest {
+  void SetUp() override { load("both_ends"); }
 };
 
 TEST_P(EveryScene, LoadsAndMovesAsFarAsBlurIsWorthLookingAt) {
@@ -329,6 +337,28 @@ TEST_P(EveryScene, LoadsAndMovesAsFarAsBlurIsWorthLookingAt) {
   }
   EXPECT_GT(longest_px, 40.0);
   EXPECT_LT(longest_px, 1000.0);
+}
+
+// What Heinzle's Fig. 9 needs: a place that something covers when the shutter opens and when it closes, and
+// nothing in between.
+TEST_F(BothEnds, ShowsABladeAtBothEndsOnly) {
+  const auto fan = std::find_if(scene_->objects.begin(), scene_->objects.end(),
+                                [](const swept::Object& object) { return object.name == "fan"; });
+  ASSERT_NE(fan, scene_->objects.end());
+  const auto covered = [&](double t_shutter) {
+    const swept::Shutter& shutter = scene_->shutter;
+    const double frame = scene_->frame + shutter.open + t_shutter * (shutter.close - shutter.open);
+    const Eigen::Affine3d world_from_object = fan->transform.at(frame);
+    const Vector3d place = world_from_object.translation() + Vector3d(0.75, 0.0, 0.0);
+    for (std::size_t i = 0; i < fan->cloud.size(); ++i) {
+      const Disc d = disc(fan->cloud, i);
+      if ((world_from_object * d.center - place).norm() < d.radius()) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(covered(0.0));
+  EXPECT_FALSE(covered(0.5));
+  EXPECT_TRUE(covered(1.0));
 }
 
 std::vector<std::string> scene_names() {
