@@ -43,6 +43,8 @@ struct Counters {
     sweep.crossings += other.sweep.crossings;
     sweep.subdivided += other.sweep.subdivided;
     sweep.evaluations += other.sweep.evaluations;
+    sweep.hidden += other.sweep.hidden;
+    sweep.revealed += other.sweep.revealed;
   }
 };
 
@@ -207,6 +209,8 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
   s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
   s.count("integrals", static_cast<double>(c.sweep.evaluations));
+  s.count("fragments_hidden", static_cast<double>(c.sweep.hidden));
+  s.count("hidden_revealed", static_cast<double>(c.sweep.revealed));
   s.effect(c.swept_pixels > 0 ? "motion blur: swept where something moves"
                               : "motion blur: skipped, nothing moves during the exposure");
 }

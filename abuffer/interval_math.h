@@ -3,10 +3,53 @@
 
 #include <cstddef>
 
+#include "abuffer/composite.h"
+
 namespace swept {
 
-/// mean[i] = peak[i] · mean of exp(−y²) over [y[i], y[i] + span[i]], span ≥ 0. Relative error ≤ 4 ulp + what
-/// rounding of y·y costs, for |y| ≤ 8. Arrays do not overlap.
-void weighted_means(const float* y, const float* span, const float* peak, float* mean, std::size_t count);
+/// Floats per vector the arrays are padded to.
+inline constexpr std::size_t member_lanes = 8;
+
+enum MemberField : std::size_t {
+  member_t_begin,  ///< ρ(τ) = peak · exp(−(y + rate·(τ − t_begin))²), z(τ) = z + z_rate·(τ − t_begin)
+  member_y,
+  member_rate,
+  member_peak,
+  member_z,
+  member_z_rate,
+  member_tolerance,
+  member_red,
+  member_green,
+  member_blue,
+  member_alpha,
+  member_fields
+};
+
+/// `count` members, in arrays that may be read up to `padded`, a multiple of member_lanes. What lies between
+/// are copies of members with peak 0.
+struct Members {
+  const float* field[member_fields];
+  std::size_t count, padded;
+};
+
+/// Members' depths at the ends of an interval, and their extremes.
+struct DepthRange {
+  float min_begin, max_begin, min_end, max_end;
+  float min_tolerance, max_tolerance;
+};
+
+/// z_begin and z_end have room for `padded` values. Precondition: count > 0.
+[[nodiscard]] DepthRange depths_over(const Members& members, float begin, float end, float* z_begin,
+                                     float* z_end);
+
+struct MemberSum {
+  SurfaceSum surface;      ///< each member weighted by the mean of its ρ over the interval
+  float variation = 0.0f;  ///< bound of how far Σρ gets below its mean within the interval
+  float widest = 0.0f;     ///< the farthest a member moves along its line, in units of y
+};
+
+/// Sums over [begin, end]; begin == end: at that instant. `mean` has room for `padded` values. A mean's
+/// relative error is ≤ 4 ulp beyond what rounding y² costs, for |y| ≤ √50.
+[[nodiscard]] MemberSum sum_over(const Members& members, float begin, float end, float* mean);
 
 }  // namespace swept

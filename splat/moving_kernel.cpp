@@ -42,16 +42,19 @@ FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& a
   // Signed, so that an edge-on disc passes through zero; from the determinant, which keeps its digits there.
   const double s_minor = s_major > 0.0 ? (q_u.x() * q_v.y() - q_u.y() * q_v.x()) / s_major : 0.0;
 
-  const auto lift = [&](const Eigen::Vector2d& direction, double s, double depth_slope) {
+  double size_squared = 0.0;
+  const auto lift = [&](const Eigen::Vector2d& direction, double s, double disc_z) {
     const double filtered = std::hypot(s, radius);
-    const double z = s / filtered * depth_slope;
+    const double z = s / filtered * disc_z;
+    const double own_plane_z = filtered / std::max(std::abs(s), 0.25 * radius) * disc_z;
+    size_squared += 0.5 * (filtered * filtered + own_plane_z * own_plane_z);
     const Eigen::Vector2d xy = direction * filtered + tangent * z;
     return Eigen::Vector3d(xy.x(), xy.y(), z);
   };
   disc.axis_u = lift(l_major, s_major, cosine * axis_u.z() + sine * axis_v.z());
   disc.axis_v = lift(l_minor, s_minor, cosine * axis_v.z() - sine * axis_u.z());
   disc.weight = s_major / std::hypot(s_major, radius) * (std::abs(s_minor) / std::hypot(s_minor, radius));
-  disc.size = rms_radius(disc.axis_u, disc.axis_v);
+  disc.size = std::sqrt(size_squared);
   return disc;
 }
 

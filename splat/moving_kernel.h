@@ -35,7 +35,10 @@ struct FilteredDisc {
   Eigen::Vector3d axis_u, axis_v;  ///< camera space; parallel only if radius == 0 and the disc is degenerate
   double weight =
       0.0;  ///< peak of the convolved kernel, √(|QQᵀ| / |QQᵀ + r²I|) ∈ [0, 1]; 0: degenerate or edge-on
-  double size = 0.0;  ///< √((|a₁|² + |a₂|²)/2) of the filtered disc: the unit of the depth tolerance
+  /// The unit of the depth tolerance: root mean square radius of the filtered disc laid on the disc's own
+  /// plane, where its neighbours on the surface are. Slopes that the filter hides (s < r/4) count as the
+  /// steepest it shows.
+  double size = 0.0;
 };
 
 /// `center`, `axis_u`, `axis_v` in camera space, finite. A filter of radius 0 returns the disc itself with
