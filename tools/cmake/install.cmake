@@ -1,0 +1,32 @@
+# What a consumer gets: find_package(swept) and the targets swept::splat, swept::io and swept::abuffer.
+include(CMakePackageConfigHelpers)
+
+set(swept_include ${CMAKE_INSTALL_INCLUDEDIR}/swept)
+set(swept_package ${CMAKE_INSTALL_LIBDIR}/cmake/swept)
+
+# Public headers. Those of splat/ all are; the others of io and abuffer are for their own sources.
+install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
+        FILES_MATCHING PATTERN "*.h" PATTERN "io" EXCLUDE)
+foreach(header atomic_file cloud_source image_file point_file scene_file sequence surfel_estimate)
+  install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
+endforeach()
+foreach(header abuffer reference rendered)
+  install(FILES abuffer/${header}.h DESTINATION ${swept_include}/abuffer)
+endforeach()
+
+foreach(library splat io abuffer)
+  set_target_properties(swept_${library} PROPERTIES EXPORT_NAME ${library})
+  install(TARGETS swept_${library} EXPORT sweptTargets)
+endforeach()
+install(EXPORT sweptTargets NAMESPACE swept:: DESTINATION ${swept_package})
+
+configure_package_config_file(tools/cmake/sweptConfig.cmake.in sweptConfig.cmake
+                              INSTALL_DESTINATION ${swept_package})
+# Before 1.0 a minor version may break its callers.
+write_basic_package_version_file(sweptConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/sweptConfig.cmake ${PROJECT_BINARY_DIR}/sweptConfigVersion.cmake
+        DESTINATION ${swept_package})
+
+if(SWEPT_BUILD_TOOLS)
+  install(TARGETS swept_cli)
+endif()
