@@ -77,19 +77,23 @@ CameraReport report_camera(const Scene& scene) {
           !scene.camera.constant_over(open, close)};
 }
 
+std::string objects(std::ptrdiff_t count) {
+  return count == 1 ? "1 object" : fmt::format("{} objects", count);
+}
+
 std::vector<std::string> effects_of(const Scene& scene, const SceneReport& report) {
   const auto count = [&](auto property) {
     return std::count_if(report.objects.begin(), report.objects.end(), property);
   };
   std::vector<std::string> effects;
   const auto points = count([](const ObjectReport& object) { return object.points_move; });
-  const auto objects = count([](const ObjectReport& object) { return object.object_moves; });
+  const auto whole = count([](const ObjectReport& object) { return object.object_moves; });
   if (scene.shutter.open == scene.shutter.close)
     effects.push_back("no motion blur: the shutter opens and closes at once");
-  else if (points + objects == 0 && !report.camera.moves)
+  else if (points + whole == 0 && !report.camera.moves)
     effects.push_back("no motion blur: nothing moves while the shutter is open");
-  if (points > 0) effects.push_back(fmt::format("motion blur of points within {} objects", points));
-  if (objects > 0) effects.push_back(fmt::format("motion blur of {} whole objects", objects));
+  if (points > 0) effects.push_back("motion blur of points within " + objects(points));
+  if (whole > 0) effects.push_back("motion blur from the transforms of " + objects(whole));
   if (report.camera.moves) effects.push_back("motion blur of the camera");
   int segments = 1;
   for (const ObjectReport& object : report.objects)
@@ -97,9 +101,9 @@ std::vector<std::string> effects_of(const Scene& scene, const SceneReport& repor
       segments = std::max(segments, object.segments);
   if (segments > 1) effects.push_back(fmt::format("curved motion, up to {} linear segments", segments));
   if (const auto n = count([](const ObjectReport& object) { return object.has_opacity; }); n > 0)
-    effects.push_back(fmt::format("transparency of {} objects", n));
+    effects.push_back("transparency of " + objects(n));
   if (const auto n = count([](const ObjectReport& object) { return !object.two_sided; }); n > 0)
-    effects.push_back(fmt::format("one-sided culling of {} objects", n));
+    effects.push_back("one-sided culling of " + objects(n));
   if (scene.model.filter_radius_px > 0.0)
     effects.push_back(fmt::format("pixel filter of {} px", scene.model.filter_radius_px));
   effects.push_back(scene.model.coverage == Coverage::soft ? "soft silhouettes" : "hard silhouettes");

@@ -1,5 +1,7 @@
 #include "tools/stats_json.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 namespace swept {
@@ -7,14 +9,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Counts as whole numbers.
+Json number_of(double value) {
+  constexpr double exact = 9007199254740992.0;
+  if (std::abs(value) <= exact && value == std::floor(value)) return static_cast<long long>(value);
+  return value;
+}
+
 Json object_of(const std::vector<std::pair<std::string, double>>& pairs) {
   Json object = Json::object();
-  for (const auto& [name, value] : pairs) object[name] = value;
+  for (const auto& [name, value] : pairs) object[name] = number_of(value);
   return object;
 }
 
 Json to_json(const FrameStatistics& frame) {
-  Json json = {{"frame", frame.frame}, {"output", frame.output}};
+  Json json = {{"frame", number_of(frame.frame)}, {"output", frame.output}};
   if (frame.skipped) {
     json["skipped"] = true;
     return json;
