@@ -43,7 +43,7 @@ Shape sparks_shape() {
           {{"speed", 0.15, 0, 1e3, false, "at the start, object units per frame"},
            {"spread", 25, 0, 180, false, "largest angle from the y axis, degrees"},
            {"gravity", 0.006, 0, 1e3, false, "object units per frame squared"},
-           {"life", 24, 0, 1e4, false, "age of the oldest, frames"},
+           {"life", 24, 1e-3, 1e4, false, "age of the oldest, frames"},
            {"cover", 0.1, 1e-9, 1e4, false, "area of all discs together, object units squared"}},
           build};
 }

@@ -69,8 +69,7 @@ TEST_P(EveryShape, GivesExactlyTheCountAskedFor) {
   }
 }
 
-TEST_P(EveryShape, IsFiniteAndHasNoDegenerateDisc) {
-  const swept::SurfelCloud cloud = make(GetParam(), 20000);
+void expect_sound(const swept::SurfelCloud& cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Disc d = disc(cloud, i);
     ASSERT_TRUE(d.center.allFinite()) << i;
@@ -87,6 +86,25 @@ TEST_P(EveryShape, SameArgumentsGiveTheSameBitsAndASeedChangesThem) {
   const swept::SurfelCloud once = make(GetParam(), 5000, {{"seed", 7}});
   EXPECT_TRUE(same_bits(once, make(GetParam(), 5000, {{"seed", 7}})));
   EXPECT_FALSE(same_bits(once, make(GetParam(), 5000, {{"seed", 8}})));
+}
+
+TEST_P(EveryShape, IsFiniteAndHasNoDegenerateDisc) { expect_sound(make(GetParam(), 20000)); }
+
+TEST_P(EveryShape, IsSoundAtBothEndsOfEveryParametersRange) {
+  const auto known = swept::generator_parameters(GetParam());
+  ASSERT_TRUE(known.ok());
+  for (const swept::GeneratorParameter& p : known.value()) {
+    for (const double value : {p.low, p.high}) {
+      SCOPED_TRACE(p.name + " = " + std::to_string(value));
+      const swept::Result<swept::SurfelCloud> cloud = swept::generate(GetParam(), 500, {{p.name, value}});
+      if (cloud) {
+        expect_sound(cloud.value());
+      } else {  // a limit that depends on other parameters
+        EXPECT_EQ(cloud.error().field, p.name);
+        EXPECT_EQ(p.name, "tube");
+      }
+    }
+  }
 }
 
 // 4 times the points, half the radius. The sum of disc areas is the surface's area up to the error of a
