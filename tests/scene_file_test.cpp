@@ -1,241 +1,36 @@
 #include "splat/io/scene_file.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
+
+#include "tests/scene_text.h"
 
 namespace swept {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using test::base_scene;
+using test::base_source;
+using test::dots;
+using test::matrix_scene;
+using test::replaced;
 
-constexpr const char* base_scene = R"({
-  "swept": 1,
-  "film": {"width": 320, "height": 180},
-  "fps": [24000, 1001],
-  "frame": 7,
-  "shutter": {"open": -0.25, "close": 0.25},
-  "camera": {
-    "fov": {"axis": "vertical", "degrees": 40},
-    "near": 0.01,
-    "keys": [{"frame": 1, "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]},
-             {"frame": 9, "eye": [1, 0, 5], "target": [1, 0, 0], "up": [0, 1, 0]}]
-  },
-  "background": [0, 0, 0, 0],
-  "image": {"delta": 3, "coverage": "soft", "segments": 2},
-  "objects": [{
-    "name": "knot",
-    "source": {"generator": "dots", "points": 3, "seed": 1},
-    "transform": {"keys": [{"frame": 0, "rotate": {"axis": [0, 2, 0], "degrees": 0}},
-                           {"frame": 4, "translate": [1, 2, 3], "rotate": {"axis": [0, 1, 0], "degrees": 720}}]},
-    "facing": "one_sided",
-    "segments": 4
-  }]
-})";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << "the base scene has no " << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
-/// A fresh folder for each test, removed with it.
-class SceneFiles : public ::testing::Test {
+class SceneFiles : public test::SceneFiles {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "swept-scene-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& text, const std::string& name = "scene.json") const {
-    const std::string path = (folder_ / name).string();
-    std::ofstream(path, std::ios::binary) << text;
-    return path;
-  }
   SceneFile read(const std::string& text, const SceneOverrides& overrides = {}) const {
     Result<SceneFile> file = read_scene_file(write(text), overrides);
     EXPECT_TRUE(file.ok()) << file.error().message();
     if (!file.ok()) std::abort();  // nothing after it would make sense
     return std::move(*file);
   }
-
-  fs::path folder_;
 };
-
-/// Points on the x axis with axes of length 0.5 and velocities along z.
-Result<SurfelCloud> dots(const std::string& shape, std::size_t points, const std::map<std::string, double>&) {
-  if (shape != "dots") return Error{"", "generator", "no such shape"};
-  SurfelCloud cloud;
-  cloud.keys.emplace_back();
-  for (std::size_t i = 0; i < points; ++i) {
-    cloud.keys[0].pose.position.emplace_back(static_cast<double>(i), 0.0, 0.0);
-    cloud.keys[0].pose.axis_u.emplace_back(0.5f, 0.0f, 0.0f);
-    cloud.keys[0].pose.axis_v.emplace_back(0.0f, 0.25f, 0.0f);
-    cloud.velocity.emplace_back(0.0f, 0.0f, 1.0f);
-  }
-  return cloud;
-}
-
-struct BadScene {
-  const char* name;
-  const char* from;  ///< in the base scene
-  const char* to;
-  const char* field;
-  const char* reason;  ///< part of it
-};
-
-const BadScene bad_scenes[] = {
-    {"syntax", "\"fps\":", "\"fps\"", "line 4, column 9", "expected"},
-    {"trailing comma", "\"segments\": 4\n", "\"segments\": 4,\n", "line 22, column 3", "expected"},
-    {"comment", "\"fps\"", "// rate\n\"fps\"", "line 4, column 3", "invalid literal"},
-    {"NaN", "0.25}", "NaN}", "line 6, column 39", "invalid literal"},
-    {"infinity", "0.25}", "1e999}", "line 6, column 43", "too large"},
-    {"key twice", "\"seed\": 1", "\"points\": 1", "/objects/0/source/points", "twice"},
-    {"no version", "\"swept\": 1,", "", "", "\"swept\", the format's version, is missing"},
-    {"newer version", "\"swept\": 1", "\"swept\": 2", "/swept", "newer version"},
-    {"no such version", "\"swept\": 1", "\"swept\": 0", "/swept", "only version"},
-    {"version of the wrong type", "\"swept\": 1", "\"swept\": \"1\"", "/swept",
-     "expected a number, found string"},
-    {"unknown key", "\"width\"", "\"widht\"", "/film/widht", "did you mean \"width\"?"},
-    {"unknown key at the top", "\"shutter\"", "\"shuter\"", "/shuter", "did you mean \"shutter\"?"},
-    {"unknown key, nothing near", "\"near\"", "\"zzzzzz\"", "/camera/zzzzzz", "known here: \"fov\""},
-    {"unknown key with a slash", "\"near\"", "\"n/e~ar\"", "/camera/n~1e~0ar", "unknown key"},
-    {"wrong type", "\"width\": 320", "\"width\": \"320\"", "/film/width", "expected a number, found string"},
-    {"object for array", "\"background\": [0, 0, 0, 0]", "\"background\": {}", "/background",
-     "expected an array"},
-    {"null", "\"near\": 0.01", "\"near\": null", "/camera/near", "expected a number, found null"},
-    {"film without width", "\"width\": 320, ", "", "/film", "\"width\" is missing"},
-    {"film of no size", "\"height\": 180", "\"height\": 0", "/film/height", "between 1 and 65536"},
-    {"fractional film", "\"width\": 320", "\"width\": 320.5", "/film/width", "whole number"},
-    {"huge film", "\"width\": 320", "\"width\": 1e300", "/film/width", "between 1 and 65536"},
-    {"fps of zero", "1001]", "0]", "/fps/1", "between 1 and"},
-    {"fps of one term", "[24000, 1001]", "[24]", "/fps", "expected 2 numbers, found 1"},
-    {"shutter backwards", "\"open\": -0.25", "\"open\": 0.5", "/shutter", "closes before it opens"},
-    {"alpha above 1", "\"background\": [0, 0, 0, 0]", "\"background\": [0, 0, 0, 2]", "/background", "alpha"},
-    {"background too short", "\"background\": [0, 0, 0, 0]", "\"background\": [0, 0]", "/background",
-     "found 2"},
-    {"delta", "\"delta\": 3", "\"delta\": 0", "/image/delta", "above 0"},
-    {"coverage", "\"soft\"", "\"sofd\"", "/image/coverage", "did you mean \"soft\"?"},
-    {"segments", "\"segments\": 2", "\"segments\": 5000", "/image/segments", "between 1 and 4096"},
-    {"no camera", "\"camera\"", "\"frame2\"", "/frame2", "unknown key"},
-    {"fov without axis", "\"axis\": \"vertical\", ", "", "/camera/fov", "\"axis\" is missing"},
-    {"fov axis", "\"vertical\"", "\"verticle\"", "/camera/fov/axis", "did you mean \"vertical\"?"},
-    {"fov of zero", "\"degrees\": 40", "\"degrees\": 0", "/camera/fov/degrees", "above 0 and below 180"},
-    {"fov of 180", "\"degrees\": 40", "\"degrees\": 180", "/camera/fov/degrees", "above 0 and below 180"},
-    {"no fov", "\"fov\": {\"axis\": \"vertical\", \"degrees\": 40},", "", "/camera/keys/0",
-     "no field of view"},
-    {"near of zero", "\"near\": 0.01", "\"near\": 0", "/camera/near", "above 0"},
-    {"no keys", "\"keys\": [{\"frame\": 1,", "\"keys\": [], \"near2\": [{\"frame\": 1,", "/camera/near2",
-     "unknown"},
-    {"camera keys unsorted", "\"frame\": 9", "\"frame\": 1", "/camera/keys/1/frame", "increasing"},
-    {"camera key without frame", "\"frame\": 9, ", "", "/camera/keys/1", "\"frame\" is missing"},
-    {"singular camera", "\"eye\": [1, 0, 5]", "\"eye\": [1, 0, 0]", "/camera/keys/1/target",
-     "where the eye is"},
-    {"up along the view", "\"up\": [0, 1, 0]", "\"up\": [0, 0, 2]", "/camera/keys/0/up", "parallel"},
-    {"target through the eye", "\"eye\": [1, 0, 5]", "\"eye\": [1, 0, -5]", "/camera/keys/1",
-     "meets the target"},
-    {"convention of a look-at", "\"near\": 0.01", "\"convention\": \"opencv\"", "/camera/convention",
-     "matrix keys"},
-    {"mixed keys", "{\"frame\": 9, \"eye\": [1, 0, 5], \"target\"",
-     "{\"frame\": 9, \"matrix\": [], \"target\"", "/camera/keys/1", "all look-ats or all matrices"},
-    {"no source", "\"source\"", "\"frame\"", "/objects/0/frame", "unknown key"},
-    {"two sources", "\"generator\": \"dots\"", "\"generator\": \"dots\", \"file\": \"a.ply\"",
-     "/objects/0/source", "exactly one"},
-    {"no points", "\"points\": 3", "\"points\": 0", "/objects/0/source/points", "between 1 and"},
-    {"negative points", "\"points\": 3", "\"points\": -1", "/objects/0/source/points", "between 1 and"},
-    {"text parameter", "\"seed\": 1", "\"seed\": \"one\"", "/objects/0/source/seed", "expected a number"},
-    {"transform keys unsorted", "\"frame\": 4", "\"frame\": -1", "/objects/0/transform/keys/1/frame",
-     "increasing"},
-    {"axis of zero", "\"axis\": [0, 2, 0]", "\"axis\": [0, 0, 0]", "/objects/0/transform/keys/0/rotate/axis",
-     "zero"},
-    {"rotation without degrees", ", \"degrees\": 720", "", "/objects/0/transform/keys/1/rotate",
-     "\"degrees\" is"},
-    {"facing", "\"one_sided\"", "true", "/objects/0/facing", "expected a string, found boolean"},
-    {"unit of generated velocities", "\"name\": \"knot\"", "\"velocity\": {\"unit\": \"per_second\"}",
-     "/objects/0/velocity/unit", "per frame"},
-    {"radius", "\"name\": \"knot\"", "\"radius\": 0", "/objects/0/radius", "above 0"},
-    {"sequence backwards", "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}",
-     "{\"sequence\": \"a.%04d.ply\", \"first\": 2, \"last\": 1}", "/objects/0/source/last",
-     "before the first"},
-    {"end frame alone", "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}",
-     "{\"file\": \"a.ply\", \"end_frame\": 1}", "/objects/0/source/end_frame", "end_file"},
-    {"empty path", "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}", "{\"file\": \"\"}",
-     "/objects/0/source/file", "empty"},
-};
-
-TEST_F(SceneFiles, ErrorsNameFilePointerAndReason) {
-  for (const BadScene& bad : bad_scenes) {
-    const std::string path = write(replaced(base_scene, bad.from, bad.to));
-    const Result<SceneFile> file = read_scene_file(path);
-    ASSERT_FALSE(file.ok()) << bad.name;
-    EXPECT_EQ(file.error().file, path) << bad.name;
-    EXPECT_EQ(file.error().field, bad.field) << bad.name;
-    EXPECT_NE(file.error().reason.find(bad.reason), std::string::npos)
-        << bad.name << ": " << file.error().reason;
-  }
-}
-
-TEST_F(SceneFiles, UnreadableFiles) {
-  const std::string missing = (folder_ / "none.json").string();
-  for (const auto& [path, reason] : {std::pair{missing, "cannot open"},
-                                     {folder_.string(), "folder"},
-                                     {write(""), "unexpected end"},
-                                     {write("[1, 2]", "array.json"), "one JSON object"},
-                                     {write("\xff\xfe{", "utf16.json"), "invalid"},
-                                     {write(std::string(1'000'000, '['), "deep.json"), "unexpected end"}}) {
-    const Result<SceneFile> file = read_scene_file(path);
-    ASSERT_FALSE(file.ok()) << path;
-    EXPECT_EQ(file.error().file, path);
-    EXPECT_NE(file.error().reason.find(reason), std::string::npos) << file.error().message();
-  }
-}
-
-/// The error that loading a scene with this source ends in.
-Error load_error(const std::string& path) {
-  Result<SceneFile> file = read_scene_file(path);
-  EXPECT_TRUE(file.ok()) << file.error().message();
-  if (!file.ok()) return file.error();
-  const Result<const Scene*> scene = file->scene_at(1.0, dots);
-  EXPECT_FALSE(scene.ok());
-  return scene.ok() ? Error{} : scene.error();
-}
-
-TEST_F(SceneFiles, CloudErrorsNameTheSource) {
-  const std::string source = "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}";
-  std::string path = write(replaced(base_scene, "\"dots\"", "\"dashes\""));
-  Error error = load_error(path);
-  EXPECT_EQ(error.file, path);
-  EXPECT_EQ(error.field, "/objects/0/source/generator");
-  EXPECT_EQ(error.reason, "no such shape");
-
-  path = write(replaced(base_scene, source, R"({"file": "none.ply"})"));
-  error = load_error(path);
-  EXPECT_EQ(error.file, path);
-  EXPECT_EQ(error.field, "/objects/0/source/file");
-  EXPECT_EQ(error.reason, "there is no file " + (folder_ / "none.ply").string());
-
-  path = write(replaced(base_scene, source, R"({"sequence": "none.####.ply", "first": 0, "last": 9})"));
-  error = load_error(path);
-  EXPECT_EQ(error.field, "/objects/0/source/sequence");
-  EXPECT_EQ(error.reason, "there is no file " + (folder_ / "none.0000.ply").string());
-
-  path = write(replaced(base_scene, source, R"({"sequence": "none.ply", "first": 0, "last": 9})"));
-  EXPECT_EQ(load_error(path).field, "/objects/0/source/sequence");
-
-  std::string text =
-      replaced(base_scene, source, R"({"sequence": "none.####.ply", "first": 0, "last": 9, "cycle": true})");
-  text = replaced(text, "\"close\": 0.25", "\"close\": 1e9");
-  EXPECT_NE(load_error(write(text)).reason.find("more than 10000 files"), std::string::npos);
-}
 
 TEST_F(SceneFiles, EverythingArrives) {
   SceneFile file = read(base_scene);
@@ -292,11 +87,6 @@ TEST_F(SceneFiles, FieldOfViewFollowsItsAxis) {
   }
 }
 
-std::string matrix_scene(const std::string& matrix, const std::string& convention = "") {
-  return R"({"swept": 1, "objects": [], "camera": {"fov": {"axis": "vertical", "degrees": 40}, )" +
-         convention + R"("keys": [{"matrix": )" + matrix + "}]}}";
-}
-
 TEST_F(SceneFiles, MatrixIsCameraToWorldInOpenGlAxesUnlessSaidOtherwise) {
   // Both say: eye at (1, 2, 8), looking along −z, y up.
   const SceneFile opengl = read(matrix_scene("[1,0,0,1, 0,1,0,2, 0,0,1,8, 0,0,0,1]"));
@@ -309,24 +99,12 @@ TEST_F(SceneFiles, MatrixIsCameraToWorldInOpenGlAxesUnlessSaidOtherwise) {
   }
 }
 
-TEST_F(SceneFiles, RoundedMatricesPassAndOthersDoNot) {
+TEST_F(SceneFiles, RoundedMatricesBecomeRotations) {
   // A turn by 30 degrees with four decimals.
   const SceneFile file = read(matrix_scene("[0.8660,0,0.5000,0, 0,1,0,0, -0.5000,0,0.8660,0, 0,0,0,1]"));
   const Eigen::Matrix3d r = file.scene().camera.at(0.0).camera_from_world.linear();
   EXPECT_LE((r * r.transpose() - Eigen::Matrix3d::Identity()).norm(),
             1e-15);  // 16 products of a few ulp each
-  for (const auto& [matrix, reason] : {std::pair{"[1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1]", "singular"},
-                                       {"[2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]", "scales"},
-                                       {"[1,0.01,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]", "shears"},
-                                       {"[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]", "mirrors"},
-                                       {"[1e200,0,0,0, 0,1e200,0,0, 0,0,1e200,0, 0,0,0,1]", "not rigid"},
-                                       {"[1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1]", "last row"},
-                                       {"[1,0,0,0]", "expected 16 numbers"}}) {
-    const Result<SceneFile> bad = read_scene_file(write(matrix_scene(matrix)));
-    ASSERT_FALSE(bad.ok()) << matrix;
-    EXPECT_EQ(bad.error().field, "/camera/keys/0/matrix");
-    EXPECT_NE(bad.error().reason.find(reason), std::string::npos) << bad.error().message();
-  }
 }
 
 TEST_F(SceneFiles, GeneratedCloudsTakeTheObjectsAttributes) {
@@ -374,7 +152,7 @@ TEST_F(SceneFiles, SequencesHoldTheFilesAroundTheShutterAndCycle) {
   for (int n = 2; n <= 4; ++n) write(triangle(n), "walk.000" + std::to_string(n) + ".obj");
   for (const bool cycle : {false, true}) {
     const std::string text =
-        replaced(base_scene, "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}",
+        replaced(base_scene, base_source,
                  std::string(R"({"sequence": "walk.####.obj", "first": 2, "last": 4, "cycle": )") +
                      (cycle ? "true}" : "false}"));
     SceneFile file = read(text);
@@ -398,8 +176,7 @@ TEST_F(SceneFiles, SequencesHoldTheFilesAroundTheShutterAndCycle) {
 TEST_F(SceneFiles, TwoFilesMoveFromOneFrameToTheNext) {
   write(triangle(2), "a.obj");
   write(triangle(3), "b.obj");
-  SceneFile file = read(replaced(base_scene, "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}",
-                                 R"({"file": "a.obj", "end_file": "b.obj"})"));
+  SceneFile file = read(replaced(base_scene, base_source, R"({"file": "a.obj", "end_file": "b.obj"})"));
   const Result<const Scene*> scene = file.scene_at(1.0, dots);
   ASSERT_TRUE(scene.ok()) << scene.error().message();
   // The scene's own frame, 7, is when the first file holds.
@@ -414,7 +191,7 @@ TEST_F(SceneFiles, VelocitiesPerSecondAreDividedByTheFrameRate) {
       "fast.ply");
   for (const auto& [unit, expected] : {std::pair{"per_second", 2.0f}, {"per_frame", 48.0f}}) {
     std::string text =
-        replaced(base_scene, "{\"generator\": \"dots\", \"points\": 3, \"seed\": 1}",
+        replaced(base_scene, base_source,
                  std::string(R"({"file": "fast.ply"}, "velocity": {"unit": ")") + unit + "\"}");
     text = replaced(text, "[24000, 1001]", "24");
     SceneFile file = read(text);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "splat/io/json_text.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
 #include "splat/io/surfel_estimate.h"
@@ -101,7 +102,7 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   const std::string pointer = source.pointer + "/source";
   if (const auto* points = std::get_if<GeneratorSource>(&source.points)) {
     Result<LoadedCloud> loaded = generate_cloud(*points, source, points_scale_, generator);
-    if (!loaded) return Error{path_, pointer + "/" + loaded.error().field, loaded.error().reason};
+    if (!loaded) return Error{path_, io::join_pointer(pointer, loaded.error().field), loaded.error().reason};
     return loaded;
   }
   CloudSource cloud = cloud_source(source, scene_);
