@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "abuffer/rendered.h"
+#include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 

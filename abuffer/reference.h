@@ -4,8 +4,8 @@
 // renderer; what the two have in common is the list of moving kernels they are given.
 #pragma once
 
-#include "abuffer/rendered.h"
 #include "splat/kernel_set.h"
+#include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "abuffer/rendered.h"
+#include "splat/rendered.h"
 #include "splat/result.h"
 
 namespace swept {

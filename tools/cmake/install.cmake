@@ -10,7 +10,7 @@ install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
 foreach(header atomic_file cloud_source image_file point_file scene_file sequence surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()
-foreach(header abuffer reference rendered)
+foreach(header abuffer reference)
   install(FILES abuffer/${header}.h DESTINATION ${swept_include}/abuffer)
 endforeach()
 
