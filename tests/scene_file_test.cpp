@@ -62,6 +62,15 @@ TEST_F(SceneFiles, EverythingArrives) {
   EXPECT_TRUE(valid.ok()) << valid.error().message();
 }
 
+TEST_F(SceneFiles, TheDocumentedExampleIsRead) {
+  const std::string readme = test::content_of(SWEPT_SCENE_MANUAL), fence = "```json\n";
+  const std::size_t begin = readme.find(fence);
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t end = readme.find("```", begin + fence.size());
+  const SceneFile file = read(readme.substr(begin + fence.size(), end - begin - fence.size()));
+  EXPECT_EQ(file.sources().size(), 2u);
+}
+
 TEST_F(SceneFiles, DefaultsAreThoseOfTheTypes) {
   const SceneFile file = read(R"({"swept": 1, "objects": [],
     "camera": {"fov": {"axis": "vertical", "degrees": 90}, "keys": [{"eye": [0,0,5], "target": [0,0,0]}]}})");
