@@ -91,30 +91,26 @@ TEST_F(CloudSourceTest, OnlyTheKeysAroundTheIntervalAreRead) {
 }
 
 TEST_F(CloudSourceTest, AxesOfTheNextKeyFollowThoseOfTheOneBefore) {
-  // A half turn about z in eight keys: each disc meets its own next, whatever basis its normal gives.
+  // One disc that the file writes with other axes in every key: u and v spun by 2 rad within its plane.
   CloudSource source;
-  for (int k = 0; k < 8; ++k) {
-    std::vector<std::vector<double>> rows;
-    for (int i = 0; i < 40; ++i) {
-      const double a = 0.4 * k + 0.3 * i, b = 0.1 * i;
-      rows.push_back({std::cos(a), std::sin(a), b, std::cos(a) * std::cos(b), std::sin(a) * std::cos(b),
-                      std::sin(b), 1});
-    }
-    source.files.push_back({1.0 * k, write("t" + std::to_string(k) + ".ply",
-                                           float_ply("binary_little_endian",
-                                                     {"x", "y", "z", "nx", "ny", "nz", "radius"}, rows))});
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
+    const Eigen::Quaterniond q = tilt * Eigen::AngleAxisd(2.0 * k, Vector3d::UnitZ());
+    const std::vector<std::string> names{"x",     "y",     "z",     "scale_0", "scale_1",
+                                         "rot_0", "rot_1", "rot_2", "rot_3"};
+    source.files.push_back(
+        {1.0 * k, write("t" + std::to_string(k) + ".ply",
+                        float_ply("ascii", names, {{1.0 * k, 0, 0, -1, -1, q.w(), q.x(), q.y(), q.z()}}))});
   }
-  const Result<LoadedCloud> loaded = read_cloud(source, 0.0, 7.0);
+  const Result<LoadedCloud> loaded = read_cloud(source, 0.0, 3.0);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
-  ASSERT_EQ(loaded->cloud.keys.size(), 8u);
-  for (std::size_t i = 0; i < 40; ++i) {
-    for (double frame = 0.5; frame < 7.0; frame += 1.0) {
-      const SurfelInstant at = surfel_at(loaded->cloud, i, frame);
-      // Between two discs 0.4 rad or less apart in direction and best aligned, the mean of the axes is at
-      // least cos 0.2 of their length.
-      EXPECT_GT(at.axis_u.norm(), std::cos(0.2) - 1e-6);
-      EXPECT_GT(at.axis_v.norm(), std::cos(0.2) - 1e-6);
-    }
+  ASSERT_EQ(loaded->cloud.keys.size(), 4u);
+  const SurfelPose& first = loaded->cloud.keys[0].pose;
+  // The files' quaternions are good to 6e-8 in each of four numbers, and turn an axis by twice their error.
+  const float tolerance = 5e-7f * first.axis_u[0].norm();
+  for (const SurfelKey& key : loaded->cloud.keys) {
+    EXPECT_LE((key.pose.axis_u[0] - first.axis_u[0]).norm(), tolerance) << "key " << key.frame;
+    EXPECT_LE((key.pose.axis_v[0] - first.axis_v[0]).norm(), tolerance) << "key " << key.frame;
   }
 }
 
