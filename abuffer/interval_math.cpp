@@ -107,7 +107,7 @@ MemberSum sum_over(const Members& members, float begin, float end, float* mean) 
         mean[i] = peak[i] * mean_gaussian(middle - 0.5f * span, middle + 0.5f * span);
     }
 
-  LaneSum weight, red, green, blue, alpha, depth, variation, widest;
+  LaneSum weight, red, green, blue, alpha, depth, variation, peaks, widest;
   for (std::size_t i = 0; i < members.padded; i += member_lanes)
     for (std::size_t l = 0; l < member_lanes; ++l) {
       const std::size_t k = i + l;
@@ -120,6 +120,7 @@ MemberSum sum_over(const Members& members, float begin, float end, float* mean) 
       blue.lane[l] += m * members.field[member_blue][k];
       alpha.lane[l] += m * members.field[member_alpha][k];
       depth.lane[l] += m * (z[k] + z_rate[k] * (middle_time - t[k]));
+      peaks.lane[l] += peak[k];
       // exp(−y²) differs from its mean over a span s about m by a factor of at most exp(±2s(|m| + s/2)).
       variation.lane[l] += m * (2.0f * span * (std::abs(middle) + 0.5f * span));
       widest.lane[l] = span > widest.lane[l] ? span : widest.lane[l];
@@ -127,6 +128,7 @@ MemberSum sum_over(const Members& members, float begin, float end, float* mean) 
   MemberSum sum;
   sum.surface = {weight.total(), {red.total(), green.total(), blue.total(), alpha.total()}, depth.total()};
   sum.variation = variation.total();
+  sum.peaks = peaks.total();
   sum.widest = widest.largest();
   return sum;
 }

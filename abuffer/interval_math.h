@@ -45,6 +45,7 @@ struct DepthRange {
 struct MemberSum {
   SurfaceSum surface;      ///< each member weighted by the mean of its ρ over the interval
   float variation = 0.0f;  ///< bound of how far Σρ gets below its mean within the interval
+  float peaks = 0.0f;      ///< Σ of the members' peaks: Σρ is nowhere more
   float widest = 0.0f;     ///< the farthest a member moves along its line, in units of y
 };
 
