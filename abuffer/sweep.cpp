@@ -347,9 +347,12 @@ float PixelSweep::measure(Surface& surface, bool alone, float begin, float end) 
 
   const float at_begin = sum_over(surface.members, begin, begin, mean_.data()).surface.weight;
   const float at_end = sum_over(surface.members, end, end, mean_.data()).surface.weight;
-  // By Simpson's rule, for a bell that stands over the edge between ends that do not reach it.
-  const float at_middle = 0.25f * (6.0f * weight - at_begin - at_end);
-  const float low = std::min({at_begin, at_middle, at_end}), high = std::max({at_begin, at_middle, at_end});
+  // The parabola with these ends and this mean has its extremum where Σρ has its own, if it has one within.
+  const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
+  const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
+  const float vertex = -0.5f * slope / curvature;
+  const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
+  const float low = std::min({at_begin, extremum, at_end}), high = std::max({at_begin, extremum, at_end});
   if (low >= edge || high <= edge) return end;
   // The mean of the clamped differs from the clamped mean by at most a quarter of the range, whatever its
   // shape.
