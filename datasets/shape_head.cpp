@@ -76,7 +76,8 @@ double area_of(const Chart& chart) {
   constexpr int n = 64;
   double sum = 0.0;
   for (int i = 0; i < n * n; ++i) {
-    const SurfaceSample s = chart((i / n + 0.5) / n, (i % n + 0.5) / n);
+    const int row = i / n, column = i % n;
+    const SurfaceSample s = chart((row + 0.5) / n, (column + 0.5) / n);
     sum += s.tangent_u.cross(s.tangent_v).norm();
   }
   return sum / (n * n);

@@ -130,7 +130,7 @@ Result<AttributePlan> plan_attributes(const std::string& path, const std::vector
   const std::vector<Attribute> attributes = known_attributes();
   for (const auto& [name, list] : options.attributes) {
     if (std::none_of(attributes.begin(), attributes.end(),
-                     [&](const Attribute& a) { return a.name == name; })) {
+                     [&name = name](const Attribute& a) { return a.name == name; })) {
       return Error{
           path, "attributes." + name,
           "is not an attribute; known are position, normal, velocity, color, radius, width, opacity"};
