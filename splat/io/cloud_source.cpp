@@ -92,6 +92,7 @@ Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& sou
   loaded.notes.insert(loaded.notes.end(), discs->notes.begin(), discs->notes.end());
   loaded.cloud.color = std::move(set.color);
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
+  if (source.color_by_normals) color_by_normals(loaded.cloud);
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);
   return loaded;
@@ -145,6 +146,16 @@ Status add_key(const CloudSource& source, const KeyFile& first, const KeyFile& f
 }
 
 }  // namespace
+
+void color_by_normals(SurfelCloud& cloud) {
+  const SurfelPose& pose = cloud.keys.front().pose;
+  cloud.color.resize(pose.size());
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    // In double, where the product of tiny axes does not underflow.
+    const Eigen::Vector3d normal = pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
+    cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
+  }
+}
 
 Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source) {
   if (Status s = check_options(source); !s) return s.error();

@@ -34,6 +34,7 @@ struct CloudSource {
   std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
   double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
   std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
+  bool color_by_normals = false;         ///< as color_by_normals(); not together with `color`
   bool skip_invalid = false;             ///< as ReadOptions::skip_invalid; single files only
   double delta = 3.0;                    ///< δ of the kernel, for Gaussian files
 };
@@ -43,6 +44,9 @@ struct LoadedCloud {
   SurfelCloud cloud;
   std::vector<std::string> notes;
 };
+
+/// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file has none.
+void color_by_normals(SurfelCloud& cloud);
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
 /// at or after `last`, and those between. Axes come from the file; else from its triangles (those of the

@@ -27,6 +27,7 @@ Status require_files(const CloudSource& source, const std::string& scene, const 
 void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
   if (source.velocity == VelocityUnit::ignore) cloud.velocity.clear();
   if (source.color) cloud.color.assign(cloud.size(), *source.color);
+  if (source.color_by_normals) color_by_normals(cloud);
   if (!source.radius && source.radius_scale == 1.0) return;
   for (SurfelKey& key : cloud.keys) {
     for (std::size_t i = 0; i < key.pose.size(); ++i) {
@@ -78,6 +79,7 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.radius = source.radius;
   cloud.radius_scale = source.radius_scale;
   cloud.color = source.color;
+  cloud.color_by_normals = source.color_by_normals;
   cloud.delta = scene.model.delta;
   return cloud;
 }

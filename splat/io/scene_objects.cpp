@@ -144,8 +144,12 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   if (const auto velocity = node.find("velocity")) source.velocity = parse_velocity(*velocity, generator);
   if (const auto transform = node.find("transform")) object.transform = parse_transform(*transform);
   if (const auto color = node.find("color")) {
-    source.color = color->vector3().cast<float>();
-    if (!source.color->allFinite()) color->fail("too large for single precision");
+    if (color->is_array()) {
+      source.color = color->vector3().cast<float>();
+      if (!source.color->allFinite()) color->fail("too large for single precision");
+    } else {
+      source.color_by_normals = color->one_of({"normals"}) == 0;
+    }
   }
   if (const auto radius = node.find("radius")) source.radius = radius->positive();
   if (const auto scale = node.find("radius_scale")) source.radius_scale = scale->positive();
