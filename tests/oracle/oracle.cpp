@@ -1,0 +1,209 @@
+#include "tests/oracle/oracle.h"
+
+#include <algorithm>
+
+#include <boost/math/constants/constants.hpp>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/special_functions/erf.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
+namespace swept::oracle {
+namespace {
+
+namespace mp = boost::multiprecision;
+// No expression templates: plain values, quicker to compile.
+using Fifty =
+    mp::number<mp::cpp_bin_float<50, mp::digit_base_10, void, std::int32_t, -1000000, 1000000>, mp::et_off>;
+using Quad =
+    mp::number<mp::cpp_bin_float<113, mp::digit_base_2, void, std::int32_t, -1000000, 1000000>, mp::et_off>;
+
+template <class R>
+Exact round_off(const R& value) {
+  const double high = value.template convert_to<double>();
+  return {high, R(value - R(high)).template convert_to<double>()};
+}
+
+/// The rounding of erf − erf is relative 2⁻¹⁶⁶ (2⁻¹¹³ in quad) of erf; the series takes over before the
+/// difference loses eight bits of it.
+template <class R>
+R closed_mean(R a, R b) {
+  if (a + b < 0) {
+    const R mirrored = -a;
+    a = -b;
+    b = mirrored;
+  }
+  const R span = b - a, middle = (a + b) / 2;
+  if (span * (1 + middle) < R(1) / 32) {
+    R previous = 1, current = 2 * middle, sum = 1, scale = 1;
+    for (int k = 1; k < 60; k += 2) {
+      previous = 2 * middle * current - 2 * k * previous;
+      scale *= span * span / (4 * (k + 1) * (k + 2));
+      const R term = previous * scale;
+      sum += term;
+      if (abs(term) < std::numeric_limits<R>::epsilon() / 16) break;
+      current = 2 * middle * previous - 2 * (k + 1) * current;
+    }
+    return exp(-middle * middle) * sum;
+  }
+  const R difference =
+      a <= 0 ? R(boost::math::erf(b) + boost::math::erf(-a)) : R(boost::math::erfc(a) - boost::math::erfc(b));
+  return difference * sqrt(boost::math::constants::pi<R>()) / (2 * span);
+}
+
+/// Integral of exp(a² − y²) from a to b, 0 ≤ a, in panels over which the exponent changes by 8.
+Fifty scaled_panels(const Fifty& a, const Fifty& b) {
+  Fifty sum = 0, from = a;
+  const auto f = [&](const Fifty& y) { return Fifty(exp((a - y) * (a + y))); };
+  // exp(−125) is below 10⁻⁵⁴ of the whole.
+  const Fifty last = (std::min)(b, Fifty(sqrt(a * a + 125)));
+  while (from < last) {
+    const Fifty to = (std::min)(last, Fifty(sqrt(from * from + 8)));
+    sum += boost::math::quadrature::gauss_kronrod<Fifty, 61>::integrate(f, from, to, 0);
+    from = to;
+  }
+  return sum;
+}
+
+Fifty quadrature_mean(Fifty a, Fifty b) {
+  if (a + b < 0) {
+    const Fifty mirrored = -a;
+    a = -b;
+    b = mirrored;
+  }
+  if (a < 0) return (scaled_panels(0, -a) + scaled_panels(0, b)) / (b - a);
+  return exp(-a * a) * scaled_panels(a, b) / (b - a);
+}
+
+using Vector = Eigen::Vector3d;
+
+struct Vector50 {
+  Fifty x, y, z;
+  Vector50(Fifty x_, Fifty y_, Fifty z_) : x(std::move(x_)), y(std::move(y_)), z(std::move(z_)) {}
+  explicit Vector50(const Vector& v) : x(v.x()), y(v.y()), z(v.z()) {}
+};
+Fifty dot(const Vector50& a, const Vector50& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vector50 cross(const Vector50& a, const Vector50& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace
+
+Exact mean_gaussian(double a, double b, Digits digits) {
+  return digits == Digits::quad ? round_off(closed_mean<Quad>(a, b)) : round_off(closed_mean<Fifty>(a, b));
+}
+
+double quadrature_disagreement(double a, double b) {
+  const Fifty closed = closed_mean<Fifty>(a, b);
+  return Fifty(abs(quadrature_mean(a, b) / closed - 1)).convert_to<double>();
+}
+
+Ray along(const MovingKernel& kernel, double x, double y) {
+  const Vector50 a(Vector(kernel.axis_u.cast<double>())), b(Vector(kernel.axis_v.cast<double>())),
+      c(kernel.center), m(kernel.velocity), d(x, y, 1);
+  const Vector50 n = cross(a, b);
+  const Fifty facing = dot(n, d);
+  const auto ratio = [&](const Fifty& value) { return round_off(Fifty(value / facing)); };
+  return {ratio(dot(d, cross(b, c))),
+          ratio(dot(d, cross(c, a))),
+          ratio(dot(n, c)),
+          ratio(dot(d, cross(b, m))),
+          ratio(dot(d, cross(m, a))),
+          ratio(dot(n, m)),
+          Fifty(abs(facing) / sqrt(dot(n, n) * dot(d, d))).convert_to<double>()};
+}
+
+Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                        double near, double delta, double weight) {
+  Fragment fragment;
+  const Fifty u = ray.u, v = ray.v, z = ray.z, du = ray.du, dv = ray.dv, dz = ray.dz;
+  const Fifty t_mid = (Fifty(segment_begin) + Fifty(segment_end)) / 2;
+  Fifty begin = segment_begin, end = segment_end;
+  const Fifty speed = sqrt(du * du + dv * dv);
+  Fifty squared = u * u + v * v, along_line = 0;
+  if (speed > 0) {
+    along_line = (u * du + v * dv) / speed;
+    const Fifty across = (u * dv - v * du) / speed;
+    squared = across * across;
+    fragment.across = Fifty(abs(across)).convert_to<double>();
+    if (squared > 1) return fragment;
+    const Fifty half = sqrt(1 - squared);
+    begin = (std::max)(begin, Fifty(t_mid + (-half - along_line) / speed));
+    end = (std::min)(end, Fifty(t_mid + (half - along_line) / speed));
+  } else {
+    fragment.across = Fifty(sqrt(squared)).convert_to<double>();
+    if (squared > 1) return fragment;
+  }
+  if (dz > 0)
+    begin = (std::max)(begin, Fifty(t_mid + (near - z) / dz));
+  else if (dz < 0)
+    end = (std::min)(end, Fifty(t_mid + (near - z) / dz));
+  else if (z < near)
+    return fragment;
+  if (!(begin < end)) return fragment;
+  fragment.hit = true;
+  fragment.t_begin = round_off(begin);
+  fragment.t_end = round_off(end);
+  fragment.peak = round_off(Fifty(weight * exp(-delta * squared)));
+  fragment.rate = round_off(Fifty(sqrt(Fifty(delta)) * speed));
+  fragment.y_begin =
+      round_off(Fifty(sqrt(Fifty(delta)) * (speed > 0 ? along_line + speed * (begin - t_mid) : Fifty(0))));
+  fragment.z_begin = round_off(Fifty(z + dz * (begin - t_mid)));
+  fragment.z_rate = round_off(dz);
+  return fragment;
+}
+
+State state_at(const RayCoordinates<double>& ray, double t_mid, double t) {
+  const Fifty s = Fifty(t) - Fifty(t_mid), du = ray.du, dv = ray.dv;
+  const Fifty u = ray.u + s * du, v = ray.v + s * dv, speed = sqrt(du * du + dv * dv);
+  State state{};
+  state.radius_minus_one = Fifty(sqrt(u * u + v * v) - 1).convert_to<double>();
+  state.z = Fifty(ray.z + s * Fifty(ray.dz)).convert_to<double>();
+  if (speed > 0) {
+    state.along = Fifty((u * du + v * dv) / speed).convert_to<double>();
+    state.across = Fifty(abs(u * dv - v * du) / speed).convert_to<double>();
+  }
+  return state;
+}
+
+Exact crossing(double z0, double rate0, double t0, double z1, double rate1, double t1) {
+  const Fifty value0 = Fifty(z0) - Fifty(rate0) * Fifty(t0), value1 = Fifty(z1) - Fifty(rate1) * Fifty(t1);
+  return round_off(Fifty((value0 - value1) / (Fifty(rate1) - Fifty(rate0))));
+}
+
+Filtered filter(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v, const Eigen::Vector2d& tangent,
+                double radius) {
+  const Fifty tx = tangent.x(), ty = tangent.y(), r2 = Fifty(radius) * radius;
+  const Fifty ux = axis_u.x() - tx * axis_u.z(), uy = axis_u.y() - ty * axis_u.z();
+  const Fifty vx = axis_v.x() - tx * axis_v.z(), vy = axis_v.y() - ty * axis_v.z();
+  const Fifty xx = ux * ux + vx * vx, xy = ux * uy + vx * vy, yy = uy * uy + vy * vy;
+  const Fifty determinant = (ux * vy - uy * vx) * (ux * vy - uy * vx);
+  const Fifty filtered = determinant + r2 * (xx + yy) + r2 * r2;
+  // Squared singular values of Q, and the depth each carries: w = Rᵀ A_zᵀ.
+  const Fifty half_gap = sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
+  const Fifty major = (xx + yy) / 2 + half_gap, minor = major > 0 ? Fifty(determinant / major) : Fifty(0);
+  const Fifty uu = ux * ux + uy * uy, uv = ux * vx + uy * vy;
+  // Unit eigenvector of QᵀQ for the major value.
+  Fifty p = uv, q = major - uu;
+  const Fifty p2 = major - (vx * vx + vy * vy);
+  if (p2 * p2 + uv * uv > p * p + q * q) {
+    p = p2;
+    q = uv;
+  }
+  const Fifty norm = sqrt(p * p + q * q);
+  if (norm > 0) {
+    p /= norm;
+    q /= norm;
+  } else {
+    p = 1;
+    q = 0;
+  }
+  const Fifty z_major = p * axis_u.z() + q * axis_v.z(), z_minor = p * axis_v.z() - q * axis_u.z();
+  const auto part = [&](const Fifty& s2, const Fifty& z) {
+    const Fifty floor = r2 / 16;
+    return Fifty((s2 + r2) * (1 + z * z / (std::max)(s2, floor)) / 2);
+  };
+  return {round_off(Fifty(sqrt(determinant / filtered))),
+          round_off(Fifty(sqrt(part(major, z_major) + part(minor, z_minor))))};
+}
+
+}  // namespace swept::oracle
