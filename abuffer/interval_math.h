@@ -28,14 +28,18 @@ enum MemberField : std::size_t {
 /// `count` members, in arrays that may be read up to `padded`, a multiple of member_lanes. What lies between
 /// are copies of members with peak 0.
 struct Members {
-  const float* field[member_fields];
+  const float* data;   ///< field by field
+  std::size_t stride;  ///< from one field to the next
   std::size_t count, padded;
+
+  [[nodiscard]] const float* field(MemberField which) const { return data + which * stride; }
 };
 
 /// Members' depths at the ends of an interval, and their extremes.
 struct DepthRange {
   float min_begin, max_begin, min_end, max_end;
   float min_tolerance, max_tolerance;
+  float max_rate;
 };
 
 /// z_begin and z_end have room for `padded` values. Precondition: count > 0.

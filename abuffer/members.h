@@ -14,10 +14,7 @@ namespace swept {
 class MemberSet {
  public:
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] float get(MemberField field, std::size_t i) const { return fields_[field][i]; }
-  [[nodiscard]] float depth_at(std::size_t i, float time) const {
-    return get(member_z, i) + get(member_z_rate, i) * (time - get(member_t_begin, i));
-  }
+  [[nodiscard]] float get(MemberField field, std::size_t i) const { return data_[field * stride_ + i]; }
 
   void clear() {
     size_ = 0;
@@ -32,7 +29,8 @@ class MemberSet {
 
   void push(const MemberSet& other, std::size_t i) {
     std::array<float, member_fields> values;
-    for (std::size_t field = 0; field < member_fields; ++field) values[field] = other.fields_[field][i];
+    for (std::size_t field = 0; field < member_fields; ++field)
+      values[field] = other.data_[field * other.stride_ + i];
     append(values);
   }
 
@@ -40,39 +38,43 @@ class MemberSet {
   void remove(std::size_t i) {
     --size_;
     padded_ = false;
-    for (std::vector<float>& field : fields_) field[i] = field[size_];
+    for (std::size_t field = 0; field < member_fields; ++field)
+      data_[field * stride_ + i] = data_[field * stride_ + size_];
   }
 
-  /// Fills the last vector with members of no weight.
+  /// Fills the last vector with members of no weight. Precondition: size() > 0.
   [[nodiscard]] Members view() {
     const std::size_t padded = (size_ + member_lanes - 1) / member_lanes * member_lanes;
-    Members members{{}, size_, padded};
-    if (!padded_) reserve(padded);
-    for (std::size_t field = 0; field < member_fields; ++field) {
-      // Copies of a real member but for the weight, so that no lane leaves the range of the others.
-      if (!padded_)
-        std::fill(fields_[field].begin() + size_, fields_[field].begin() + padded,
-                  field == member_peak ? 0.0f : fields_[field][0]);
-      members.field[field] = fields_[field].data();
-    }
+    if (!padded_)
+      for (std::size_t field = 0; field < member_fields; ++field) {
+        // Copies of a real member but for the weight, so that no lane leaves the range of the others.
+        float* const values = data_.data() + field * stride_;
+        std::fill(values + size_, values + padded, field == member_peak ? 0.0f : values[0]);
+      }
     padded_ = true;
-    return members;
+    return {data_.data(), stride_, size_, padded};
   }
 
  private:
   void append(const std::array<float, member_fields>& values) {
-    reserve(size_ + 1);
-    for (std::size_t field = 0; field < member_fields; ++field) fields_[field][size_] = values[field];
+    if (size_ == stride_) grow();
+    for (std::size_t field = 0; field < member_fields; ++field)
+      data_[field * stride_ + size_] = values[field];
     ++size_;
     padded_ = false;
   }
-  void reserve(std::size_t size) {
-    if (size <= fields_[0].size()) return;
-    for (std::vector<float>& field : fields_) field.resize(std::max<std::size_t>(64, 2 * size));
+  void grow() {
+    const std::size_t stride = std::max<std::size_t>(64, 2 * stride_);  // whole vectors
+    std::vector<float> data(member_fields * stride);
+    for (std::size_t field = 0; field < member_fields; ++field)
+      std::copy_n(data_.begin() + static_cast<std::ptrdiff_t>(field * stride_), size_,
+                  data.begin() + static_cast<std::ptrdiff_t>(field * stride));
+    data_ = std::move(data);
+    stride_ = stride;
   }
 
-  std::array<std::vector<float>, member_fields> fields_;
-  std::size_t size_ = 0;
+  std::vector<float> data_;
+  std::size_t stride_ = 0, size_ = 0;
   bool padded_ = false;
 };
 

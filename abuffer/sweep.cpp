@@ -214,18 +214,22 @@ float PixelSweep::build_surfaces(float begin, float end) {
   for (std::vector<float>* scratch : {&mean_, &z_begin_, &z_end_})
     if (scratch->size() < all.padded) scratch->resize(2 * all.padded);
   surfaces_.clear();
-  widest_ = 0.0f;
   transmittance_ = 1.0f;
 
   const DepthRange range = depths_over(all, begin, end, z_begin_.data(), z_end_.data());
   piece_margin_ = range.max_tolerance;
+  // A little less than the limit, so that rounding does not ask for the same again.
+  if (count > 1 && range.max_rate * (end - begin) > longest_span) {
+    const float cut = shorten(begin, end, 0.99f * longest_span / (range.max_rate * (end - begin)));
+    if (cut < end) return cut;
+  }
   // A member's height above the lower envelope of all is convex in time, so it is largest at an end.
   if (range.max_begin - range.min_begin <= range.min_tolerance &&
       range.max_end - range.min_end <= range.min_tolerance) {
     surfaces_.push_back({all, {}});
     piece_limit_ = std::max(range.max_begin, range.max_end) + range.max_tolerance;
     used_ = count;
-    return measure(surfaces_[0], true, begin, end);
+    return measure(surfaces_[0], begin, end);
   }
 
   order_.resize(count);
@@ -245,7 +249,7 @@ float PixelSweep::build_surfaces(float begin, float end) {
     }
     used_ = last;
     surfaces_.push_back({part.members.view(), {}});
-    sooner = measure(surfaces_.back(), false, begin, end);
+    sooner = measure(surfaces_.back(), begin, end);
     if (sooner < end) return sooner;
   }
   piece_limit_ += range.max_tolerance;
@@ -317,33 +321,31 @@ std::size_t PixelSweep::gather_nearest(std::size_t first, float begin, float& en
   return last;
 }
 
+/// Cuts [begin, end] to a fraction, if that is not too short a piece. Returns its end.
+float PixelSweep::shorten(float begin, float end, float fraction) {
+  const float cut = begin + std::max((end - begin) * fraction, shortest_interval);
+  if (!(cut < end)) return end;
+  ++counters_->subdivided;
+  return cut;
+}
+
 /// Sums the last surface over [begin, end] and takes its light. Returns `end`, or the sooner time to which
 /// the piece has to be shortened for the sums' ratio to stand for the ratio's integral. `alone`: nothing lies
 /// behind.
-float PixelSweep::measure(Surface& surface, bool alone, float begin, float end) {
+float PixelSweep::measure(Surface& surface, float begin, float end) {
   surface.sum = sum_over(surface.members, begin, end, mean_.data());
-  widest_ = std::max(widest_, surface.sum.widest);
   const float scale = model_.scale(surface.sum.surface);
   transmittance_ *= 1.0f - std::min(1.0f, surface.sum.surface.rgba[3] * scale);
 
-  const auto shorten = [&](float fraction) {
-    const float cut = begin + std::max((end - begin) * fraction, shortest_interval);
-    if (!(cut < end)) return end;
-    ++counters_->subdivided;
-    return cut;
-  };
   const float edge = model_.edge_weight(), weight = surface.sum.surface.weight;
   const float least = weight - surface.sum.variation;
   const float most = std::min(weight + 2.0f * surface.sum.variation, surface.sum.peaks);
   const bool clamp_is_near = !model_.hard() && least < edge && most > edge;
-  const bool several =
-      surface.members.count > 1 || surfaces_.size() > 1 || (!alone && transmittance_ > opaque_transmittance);
-  if ((several || clamp_is_near) && widest_ > longest_span) {
-    // A little less than the limit, so that rounding does not ask for the same again.
-    const float cut = shorten(0.99f * longest_span / widest_);
+  if (!clamp_is_near) return end;
+  if (surface.sum.widest > longest_span) {
+    const float cut = shorten(begin, end, 0.99f * longest_span / surface.sum.widest);
     if (cut < end) return cut;
   }
-  if (!clamp_is_near) return end;
 
   const float at_begin = sum_over(surface.members, begin, begin, mean_.data()).surface.weight;
   const float at_end = sum_over(surface.members, end, end, mean_.data()).surface.weight;
@@ -359,7 +361,8 @@ float PixelSweep::measure(Surface& surface, bool alone, float begin, float end) 
   if ((high - low) * (end - begin) <= 4.0f * edge * coverage_error) return end;
   // Where a straight line between the ends crosses the clamp, or in the middle if they lie on one side of it.
   const bool crosses = (at_begin < edge) != (at_end < edge);
-  return shorten(crosses ? std::clamp((edge - at_begin) / (at_end - at_begin), 0.1f, 0.9f) : 0.5f);
+  return shorten(begin, end,
+                 crosses ? std::clamp((edge - at_begin) / (at_end - at_begin), 0.1f, 0.9f) : 0.5f);
 }
 
 void PixelSweep::composite(float begin, float end, PixelSum& pixel) {

@@ -65,7 +65,8 @@ class PixelSweep {
   float resolve_until(float begin, float end, PixelSum& pixel);
   float build_surfaces(float begin, float end);
   std::size_t gather_nearest(std::size_t first, float begin, float& end);
-  float measure(Surface& surface, bool alone, float begin, float end);
+  float measure(Surface& surface, float begin, float end);
+  float shorten(float begin, float end, float fraction);
   void composite(float begin, float end, PixelSum& pixel);
 
   SurfaceModel model_;
@@ -94,7 +95,7 @@ class PixelSweep {
   std::vector<Surface> surfaces_;
   std::vector<Part> parts_;
   std::size_t used_ = 0;  ///< members in surfaces_; the rest of order_ lies behind
-  float piece_limit_ = 0.0f, piece_margin_ = 0.0f, transmittance_ = 1.0f, widest_ = 0.0f;
+  float piece_limit_ = 0.0f, piece_margin_ = 0.0f, transmittance_ = 1.0f;
   std::vector<float> mean_, z_begin_, z_end_;
 };
 
