@@ -13,21 +13,19 @@ double rms_radius(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(0.5 * (a.squaredNorm() + b.squaredNorm()));
 }
 
-}  // namespace
+Eigen::Vector3d times_power_of_two(const Eigen::Vector3d& v, int power) {
+  return {std::ldexp(v.x(), power), std::ldexp(v.y(), power), std::ldexp(v.z(), power)};
+}
 
-FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& axis_u,
-                         const Eigen::Vector3d& axis_v, const PixelFilter& filter) {
+FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vector3d& axis_u,
+                                const Eigen::Vector3d& axis_v, double radius) {
   FilteredDisc disc;
-  if (filter.radius == 0.0) {
+  if (radius == 0.0) {
     disc = {axis_u, axis_v, 1.0, rms_radius(axis_u, axis_v)};
     if (axis_u.cross(axis_v).isZero(0.0)) disc.weight = 0.0;
     return disc;
   }
 
-  const double depth = std::max(center.z(), filter.near);
-  const double radius = filter.radius * depth;
-  const Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
-                                std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
   const Eigen::Vector2d q_u = axis_u.head<2>() - tangent * axis_u.z();
   const Eigen::Vector2d q_v = axis_v.head<2>() - tangent * axis_v.z();
 
@@ -55,6 +53,25 @@ FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& a
   disc.axis_v = lift(l_minor, s_minor, cosine * axis_v.z() - sine * axis_u.z());
   disc.weight = s_major / std::hypot(s_major, radius) * (std::abs(s_minor) / std::hypot(s_minor, radius));
   disc.size = std::sqrt(size_squared);
+  return disc;
+}
+
+}  // namespace
+
+FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& axis_u,
+                         const Eigen::Vector3d& axis_v, const PixelFilter& filter) {
+  const double depth = std::max(center.z(), filter.near);
+  const double radius = filter.radius * depth;
+  const Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
+                                std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
+  // Lengths about 1, for their squares and products to stay in range. Changes no bit otherwise.
+  int power = 0;
+  std::frexp(std::max({axis_u.cwiseAbs().maxCoeff(), axis_v.cwiseAbs().maxCoeff(), radius}), &power);
+  FilteredDisc disc = filter_scaled_disc(tangent, times_power_of_two(axis_u, -power),
+                                         times_power_of_two(axis_v, -power), std::ldexp(radius, -power));
+  disc.axis_u = times_power_of_two(disc.axis_u, power);
+  disc.axis_v = times_power_of_two(disc.axis_v, power);
+  disc.size = std::ldexp(disc.size, power);
   return disc;
 }
 
