@@ -18,10 +18,14 @@ PixelBox empty_box() {
   return {infinity, -infinity, infinity, -infinity};
 }
 
+/// What is not a number, or too large to calculate with, becomes the whole plane.
 PixelBox padded(const PixelBox& box) {
+  constexpr double limit = 1e300;
   const double x = padding_px + padding_relative * (box.x_max - box.x_min);
   const double y = padding_px + padding_relative * (box.y_max - box.y_min);
-  return {box.x_min - x, box.x_max + x, box.y_min - y, box.y_max + y};
+  const auto low = [&](double value) { return value > -limit ? std::min(value, limit) : -limit; };
+  const auto high = [&](double value) { return value < limit ? std::max(value, -limit) : limit; };
+  return {low(box.x_min - x), high(box.x_max + x), low(box.y_min - y), high(box.y_max + y)};
 }
 
 struct Range {
@@ -30,11 +34,13 @@ struct Range {
 
 /// Extent of x/z over the disc, for a disc wholly at z > 0. The tangents to the disc through the eye satisfy
 /// c_x − x c_z = ±√((a_x − x a_z)² + (b_x − x b_z)²). Sheared so that c_x = 0, the discriminant is a sum of
-/// positive terms.
+/// positive terms. In units of c_z, for squares to stay in range.
 Range tangent_extent(double cx, double cz, double ax, double az, double bx, double bz) {
   const double center = cx / cz;
-  const double sx = ax - center * az, sy = bx - center * bz;
-  const double a = cz * cz - az * az - bz * bz;
+  az /= cz;
+  bz /= cz;
+  const double sx = ax / cz - center * az, sy = bx / cz - center * bz;
+  const double a = 1.0 - az * az - bz * bz;
   const double half_b = -(sx * az + sy * bz);
   const double root = std::sqrt(half_b * half_b + a * (sx * sx + sy * sy));
   return {center + (half_b - root) / a, center + (half_b + root) / a};
