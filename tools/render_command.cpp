@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <sys/resource.h>
+
 #include <fmt/core.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -203,6 +205,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const M
     }
   }
   if (arguments.stats.empty()) return 0;
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) run.peak_memory_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
   const Status written = write_file(arguments.stats, to_json(run));
   return written ? 0 : fail(written.error());
 }

@@ -45,7 +45,8 @@ std::string to_json(const RunStatistics& run) {
                {"scene_hash", run.scene_hash},
                {"method", run.method},
                {"film", {{"width", run.width}, {"height", run.height}}},
-               {"options", object_of(run.options)}};
+               {"options", object_of(run.options)},
+               {"peak_memory_bytes", number_of(run.peak_memory_bytes)}};
   json["frames"] = Json::array();
   for (const FrameStatistics& frame : run.frames) json["frames"].push_back(to_json(frame));
   // A path need not be UTF-8.

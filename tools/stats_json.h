@@ -23,6 +23,7 @@ struct RunStatistics {
   std::string software, scene, scene_hash, method;
   int width = 0, height = 0;                            ///< of the film, px
   std::vector<std::pair<std::string, double>> options;  ///< of the method
+  double peak_memory_bytes = 0.0;                       ///< resident, of the whole process
   std::vector<FrameStatistics> frames;
 };
 
