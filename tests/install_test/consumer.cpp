@@ -2,6 +2,9 @@
 #include <cstdio>
 
 #include <abuffer/abuffer.h>
+#ifdef WITH_GPU
+#include <gpu_passes/gpu_renderer.h>
+#endif
 #include <splat/io/image_file.h>
 #include <splat/scene.h>
 
@@ -19,6 +22,13 @@ int main(int argc, char** argv) {
   if (!rendered) return std::fprintf(stderr, "%s\n", rendered.error().message().c_str()), 1;
   const swept::Status written = swept::write_exr(argv[1], rendered->image);
   if (!written) return std::fprintf(stderr, "%s\n", written.error().message().c_str()), 1;
+
+#ifdef WITH_GPU
+  if (swept::Result<swept::GpuRenderer> gpu = swept::GpuRenderer::create(); !gpu)
+    std::printf("%s\n", gpu.error().message().c_str());
+  else if (!gpu->render(scene))
+    return 1;
+#endif
 
   const swept::Result<swept::Image> read = swept::read_exr(argv[1]);
   if (!read) return std::fprintf(stderr, "%s\n", read.error().message().c_str()), 1;

@@ -1,4 +1,5 @@
-# What a consumer gets: find_package(swept) and the targets swept::splat, swept::io and swept::abuffer.
+# What a consumer gets: find_package(swept) and the targets swept::splat, swept::io, swept::abuffer and, where
+# it was built, swept::gpu.
 include(CMakePackageConfigHelpers)
 
 set(swept_include ${CMAKE_INSTALL_INCLUDEDIR}/swept)
@@ -14,7 +15,13 @@ foreach(header abuffer reference)
   install(FILES abuffer/${header}.h DESTINATION ${swept_include}/abuffer)
 endforeach()
 
-foreach(library splat io abuffer)
+set(swept_libraries splat io abuffer)
+if(SWEPT_GPU)
+  install(FILES gpu_passes/gpu_renderer.h DESTINATION ${swept_include}/gpu_passes)
+  list(APPEND swept_libraries gpu)
+endif()
+
+foreach(library IN LISTS swept_libraries)
   set_target_properties(swept_${library} PROPERTIES EXPORT_NAME ${library})
   install(TARGETS swept_${library} EXPORT sweptTargets)
 endforeach()

@@ -1,0 +1,38 @@
+// The textures that passes draw into.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "gpu_passes/gl_object.h"
+#include "gpu_passes/passes.h"
+#include "splat/result.h"
+
+namespace swept {
+
+/// All targets of one window size. A context must be current in every call.
+class FrameTargets {
+ public:
+  /// Fails where the device has no textures of that size, or no memory for them.
+  [[nodiscard]] static Result<FrameTargets> create(int width, int height);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] GLuint texture(Target target) const {
+    return textures_[static_cast<std::size_t>(target)].name();
+  }
+
+  /// A framebuffer of the pass's targets, and a depth buffer if it tests depth.
+  [[nodiscard]] Result<GlFramebuffer> framebuffer(const Pass& pass) const;
+  /// channels(target) floats per pixel, rows top to bottom.
+  [[nodiscard]] std::vector<float> read(Target target) const;
+
+ private:
+  FrameTargets() = default;
+
+  int width_ = 0, height_ = 0;
+  std::array<GlTexture, target_count> textures_;
+  GlTexture depth_;
+};
+
+}  // namespace swept

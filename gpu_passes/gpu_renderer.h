@@ -1,0 +1,89 @@
+// The six-pass mode: an approximation of the exact image, drawn by a GPU without a display.
+//
+// Source: Heinzle et al. 2010, section 5; model section 8. Per sub-frame of the exposure:
+//
+//   1  depth at open        the nearest discs at its start, and at its end; with their depth tolerance
+//   2  depth at close
+//   3  earliest time        that a kernel visible in 1 or 2 covers the pixel, and the latest
+//   4  latest time
+//   5  blending             of the visible kernels, each weighted by its integral over the sub-frame
+//   6  normalisation        Σ I w / Σ I, and the background for the time outside [earliest, latest]
+//
+// Sub-frames are averaged. What that gives up against the exact image: a surface seen at neither end of a
+// sub-frame is lost, the time between the first and the last is covered whole, and colours of surfaces that
+// replace each other are mixed by their weights, not by their times. All of it fades with more sub-frames.
+//
+// Soft coverage (model section 1.4) is a function of an instant, min(1, Σρ/ρ_edge), and the passes know sums
+// over time alone. With T = latest − earliest, alpha = T · min(1, (ΣI/T) / ρ_edge): the coverage of the mean
+// kernel sum. It is exact where nothing moves. What a soft edge leaves uncovered shows the background, even
+// if another surface lies behind it: the passes keep one surface per pixel.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "splat/rendered.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct GpuDevice {
+  std::string id;  ///< index of an EGL device, or "surfaceless"
+  std::string vendor, renderer, version;
+  std::string problem;  ///< why it cannot be used; empty: it can
+};
+
+/// All that could be tried. Fails only where there is no EGL or OpenGL library.
+[[nodiscard]] Result<std::vector<GpuDevice>> list_gpus();
+
+struct GpuOptions {
+  /// An id of list_gpus(). Empty: the environment variable SWEPT_GPU; where that is unset too, the first
+  /// device that works.
+  std::string device;
+  std::size_t batch_kernels = 1u << 17;  ///< kernels in one buffer; [1, 2²²]. Changes no bit
+
+  [[nodiscard]] Status validate() const;
+};
+
+enum class GpuMethod {
+  six_pass,  ///< sub-frames of motion
+  still,     ///< still frames at the middle of each sub-frame: temporal supersampling, the paper's baseline
+};
+
+struct GpuRenderOptions {
+  GpuMethod method = GpuMethod::six_pass;
+  int subframes = 1;           ///< equal parts of the exposure; [1, 65536]
+  bool lookup_tables = false;  ///< exp and erf from textures, as in the paper, instead of computed
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// Whether the GPU modes render the scene; the error names what they cannot do. Sub-frames take the place of
+/// motion segments, so the counts that objects ask for are not used.
+[[nodiscard]] Status check_gpu_scene(const Scene& scene);
+
+/// Renders scenes one after the other. One thread at a time; which one does not matter.
+class GpuRenderer {
+ public:
+  [[nodiscard]] static Result<GpuRenderer> create(const GpuOptions& options = {});
+  GpuRenderer(GpuRenderer&&) noexcept;
+  GpuRenderer& operator=(GpuRenderer&&) noexcept;
+  ~GpuRenderer();
+
+  [[nodiscard]] const GpuDevice& device() const;
+
+  /// The film window of the scene. Statistics time each pass by the GPU's own clock, summed over sub-frames.
+  /// Errors: options or scene out of range, opacity below 1, a film larger than the device's, and not enough
+  /// memory on either side. Stays usable after an error.
+  [[nodiscard]] Result<Rendered> render(const Scene& scene, const GpuRenderOptions& options = {});
+
+ private:
+  class Implementation;
+  explicit GpuRenderer(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace swept

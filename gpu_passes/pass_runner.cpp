@@ -1,0 +1,246 @@
+#include "gpu_passes/pass_runner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gpu_passes/program.h"
+
+namespace swept {
+namespace {
+
+/// Texture units by sampler; the same for all programs.
+constexpr std::array<const char*, 7> samplers{"limit_open", "limit_close", "earliest",      "latest",
+                                              "color_sum",  "depth_sum",   "gaussian_table"};
+constexpr int table_unit = 6;
+
+int unit_of(std::string_view sampler) {
+  return static_cast<int>(std::find(samplers.begin(), samplers.end(), sampler) - samplers.begin());
+}
+
+GlTexture make_table() {
+  std::vector<float> entries;
+  entries.reserve(2 * table_texels);
+  for (int i = 0; i < table_texels; ++i) {
+    const double y = static_cast<double>(table_range) * i / (table_texels - 1);
+    entries.push_back(static_cast<float>(std::exp(-y * y)));
+    entries.push_back(static_cast<float>(std::erf(y)));
+  }
+  GlTexture table = GlTexture::make();
+  glBindTexture(GL_TEXTURE_2D, table.name());
+  glTexStorage2D(GL_TEXTURE_2D, 1, GL_RG32F, table_texels, 1);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, table_texels, 1, GL_RG, GL_FLOAT, entries.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return table;
+}
+
+void set_blend(Blend blend) {
+  if (blend == Blend::replace) {
+    glDisable(GL_BLEND);
+    return;
+  }
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glBlendEquation(blend == Blend::minimum ? GL_MIN : blend == Blend::maximum ? GL_MAX : GL_FUNC_ADD);
+}
+
+void clear(const Pass& pass) {
+  const float value = pass.clear_to, color[4] = {value, value, value, value};
+  for (std::size_t i = 0; i < pass.targets.size(); ++i)
+    glClearBufferfv(GL_COLOR, static_cast<GLint>(i), color);
+  // Reversed depth: 0 is infinitely far.
+  const float far = 0.0f;
+  if (pass.depth_test) glClearBufferfv(GL_DEPTH, 0, &far);
+}
+
+}  // namespace
+
+Result<PassRunner> PassRunner::create(std::size_t batch_kernels) {
+  PassRunner runner;
+  runner.batch_kernels_ = batch_kernels;
+  for (int i = 0; i < program_count; ++i) {
+    const ProgramSource source = program_source(static_cast<ProgramId>(i));
+    Result<GlProgram> program = build_program(source.vertex, source.fragment, source.defines);
+    if (!program) return program.error();
+    Program& slot = runner.programs_[static_cast<std::size_t>(i)];
+    slot.program = std::move(*program);
+    const GLuint name = slot.program.name();
+    slot.geometry = glGetUniformLocation(name, "geometry");
+    slot.time = glGetUniformLocation(name, "time");
+    glUseProgram(name);
+    for (const char* sampler : samplers) {
+      const GLint location = glGetUniformLocation(name, sampler);
+      if (location >= 0) glUniform1i(location, unit_of(sampler));
+    }
+  }
+  glUseProgram(0);
+  runner.frame_block_ = GlBuffer::make();
+  runner.empty_vertex_array_ = GlVertexArray::make();
+  runner.table_ = make_table();
+  return runner;
+}
+
+Status PassRunner::begin_frame(int width, int height, std::span<const Pass> passes, bool lookup_tables) {
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  const bool resized = !targets_ || targets_->width() != width || targets_->height() != height;
+  if (resized || passes.data() != passes_.data()) {
+    framebuffers_.clear();
+    passes_ = {};
+    if (resized) {
+      targets_.reset();
+      Result<FrameTargets> targets = FrameTargets::create(width, height);
+      if (!targets) return targets.error();
+      targets_ = std::move(*targets);
+    }
+    for (const Pass& pass : passes) {
+      Result<GlFramebuffer> framebuffer = targets_->framebuffer(pass);
+      if (!framebuffer) {
+        framebuffers_.clear();
+        return framebuffer.error();
+      }
+      framebuffers_.push_back(std::move(*framebuffer));
+    }
+    passes_ = passes;
+    for (std::vector<GlQuery>& set : timers_) {
+      set.clear();
+      for (std::size_t i = 0; i < passes.size(); ++i) set.push_back(GlQuery::make());
+    }
+  }
+  lookup_tables_ = lookup_tables;
+  seconds_.assign(passes.size(), 0.0);
+  timing_ = {};
+  most_batches_ = 0;
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    if (passes[i].clears) continue;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i].name());
+    clear(passes[i]);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return Done{};
+}
+
+void PassRunner::upload(std::span<const Instance> instances) {
+  used_batches_ = 0;
+  while (!instances.empty()) {
+    if (used_batches_ == batches_.size()) {
+      Batch batch{GlBuffer::make(), GlVertexArray::make(), 0};
+      glBindVertexArray(batch.vertex_array.name());
+      glBindBuffer(GL_ARRAY_BUFFER, batch.buffer.name());
+      for (GLuint i = 0; i < instance_attributes; ++i) {
+        glEnableVertexAttribArray(i);
+        glVertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, sizeof(Instance),
+                              reinterpret_cast<const void*>(i * sizeof(glm::vec4)));
+        glVertexAttribDivisor(i, 1);
+      }
+      batches_.push_back(std::move(batch));
+    }
+    Batch& batch = batches_[used_batches_++];
+    const std::span<const Instance> part = instances.first(std::min(instances.size(), batch_kernels_));
+    instances = instances.subspan(part.size());
+    batch.count = static_cast<GLsizei>(part.size());
+    glBindBuffer(GL_ARRAY_BUFFER, batch.buffer.name());
+    // New storage: what the last sub-frame still reads stays as it is.
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(part.size_bytes()), part.data(), GL_STREAM_DRAW);
+  }
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  most_batches_ = std::max(most_batches_, used_batches_);
+}
+
+const PassRunner::Program& PassRunner::program_of(const Pass& pass) const {
+  const ProgramId id =
+      pass.program == ProgramId::blend && lookup_tables_ ? ProgramId::blend_tables : pass.program;
+  return programs_[static_cast<std::size_t>(id)];
+}
+
+void PassRunner::draw(const Pass& pass) {
+  if (pass.clears) clear(pass);
+  if (pass.geometry == Geometry::nothing) return;
+  set_blend(pass.blend);
+  if (pass.depth_test)
+    glEnable(GL_DEPTH_TEST);
+  else
+    glDisable(GL_DEPTH_TEST);
+  for (const PassInput& input : pass.inputs) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit_of(input.sampler)));
+    glBindTexture(GL_TEXTURE_2D, targets_->texture(input.target));
+  }
+  const Program& program = program_of(pass);
+  glUseProgram(program.program.name());
+  if (pass.geometry == Geometry::window) {
+    glBindVertexArray(empty_vertex_array_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  } else {
+    glUniform1i(program.geometry, static_cast<GLint>(pass.geometry));
+    if (program.time >= 0) glUniform1f(program.time, pass.geometry == Geometry::open ? -0.5f : 0.5f);
+    for (std::size_t i = 0; i < used_batches_; ++i) {
+      glBindVertexArray(batches_[i].vertex_array.name());
+      glDrawArraysInstanced(GL_TRIANGLES, 0, 18, batches_[i].count);
+    }
+  }
+  for (const PassInput& input : pass.inputs) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit_of(input.sampler)));
+    glBindTexture(GL_TEXTURE_2D, 0);
+  }
+}
+
+void PassRunner::draw_subframe(std::span<const Instance> instances, const FrameBlock& block) {
+  upload(instances);
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_block_.name());
+  glBufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block_.name());
+  glActiveTexture(GL_TEXTURE0 + table_unit);
+  glBindTexture(GL_TEXTURE_2D, table_.name());
+
+  glViewport(0, 0, targets_->width(), targets_->height());
+  glDisable(GL_SCISSOR_TEST);
+  // A vertex that rounding has pushed across its neighbours turns a triangle over: what it covers, others do.
+  glEnable(GL_CULL_FACE);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  timer_set_ = 1 - timer_set_;
+  collect_timers(timer_set_);
+  for (std::size_t i = 0; i < passes_.size(); ++i) {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i].name());
+    glBeginQuery(GL_TIME_ELAPSED, timers_[timer_set_][i].name());
+    draw(passes_[i]);
+    glEndQuery(GL_TIME_ELAPSED);
+  }
+  timing_[timer_set_] = true;
+  glBindVertexArray(0);
+  glUseProgram(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glFlush();
+}
+
+void PassRunner::collect_timers(std::size_t set) {
+  if (!timing_[set]) return;
+  for (std::size_t i = 0; i < seconds_.size(); ++i) {
+    GLuint64 nanoseconds = 0;
+    glGetQueryObjectui64v(timers_[set][i].name(), GL_QUERY_RESULT, &nanoseconds);
+    seconds_[i] += 1e-9 * static_cast<double>(nanoseconds);
+  }
+  timing_[set] = false;
+}
+
+Status PassRunner::end_frame() {
+  glFinish();
+  for (std::size_t set = 0; set < timers_.size(); ++set) collect_timers(set);
+  const GLenum error = glGetError();
+  if (error == GL_OUT_OF_MEMORY) return Error{"", "gpu", "not enough memory on the GPU"};
+  if (error != GL_NO_ERROR)
+    return Error{"", "gpu", "OpenGL error " + std::to_string(error) + " while drawing"};
+  return Done{};
+}
+
+std::vector<std::pair<std::string, double>> PassRunner::pass_seconds() const {
+  std::vector<std::pair<std::string, double>> list;
+  for (std::size_t i = 0; i < passes_.size(); ++i) list.emplace_back(passes_[i].name, seconds_[i]);
+  return list;
+}
+
+}  // namespace swept

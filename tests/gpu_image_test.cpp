@@ -1,0 +1,299 @@
+// Whole images of the GPU modes against the A-buffer, the plain twin and each other.
+#include "gpu_passes/gpu_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "abuffer/abuffer.h"
+#include "datasets/generators.h"
+#include "gpu_compare.h"
+#include "gpu_passes/context.h"
+#include "gpu_passes/pass_runner.h"
+#include "gpu_passes/six_pass_twin.h"
+#include "gpu_passes/subframes.h"
+#include "gpu_stage.h"
+#include "splat/io/scene_file.h"
+
+namespace swept {
+namespace {
+
+class GpuImage : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<GpuRenderer> renderer = GpuRenderer::create();
+    if (!renderer) GTEST_SKIP() << renderer.error().message();
+    renderer_.emplace(std::move(*renderer));
+  }
+
+  Image render(const Scene& scene, const GpuRenderOptions& options) {
+    Result<Rendered> rendered = renderer_->render(scene, options);
+    EXPECT_TRUE(rendered) << rendered.error().message();
+    return rendered ? std::move(rendered->image) : Image{};
+  }
+
+  std::optional<GpuRenderer> renderer_;
+};
+
+GpuRenderOptions six(int subframes) { return {GpuMethod::six_pass, subframes, false}; }
+GpuRenderOptions still(int subframes) { return {GpuMethod::still, subframes, false}; }
+
+/// A striped sphere that turns and flies past another, over a plain background; 96 × 64 px.
+Scene spheres() {
+  Scene scene;
+  scene.film = {96, 64, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats.emplace_back();
+  scene.camera.look_ats.back().eye.z() = 3.5;
+  scene.background = {0.05f, 0.1f, 0.2f, 1.0f};
+  scene.objects = {striped_sphere(1.0, 3000), striped_sphere(0.6, 2000)};
+  TransformKey key;
+  key.translate = {-0.8, 0.1, 1.0};
+  scene.objects[1].transform.keys.push_back(key);
+  key.frame = 1.0;
+  key.translate = {0.6, -0.2, 1.3};
+  key.rotate_radians = 1.0;
+  scene.objects[1].transform.keys.push_back(key);
+  for (Object& object : scene.objects) object.two_sided = false;
+  return scene;
+}
+
+Scene dataset(const char* name, double points_scale) {
+  SceneOverrides overrides;
+  overrides.size = {{144, 96}};
+  overrides.points_scale = points_scale;
+  Result<SceneFile> file = read_scene_file(std::string(SWEPT_SCENES "/") + name, overrides);
+  EXPECT_TRUE(file) << file.error().message();
+  Result<const Scene*> scene = file->scene_at(file->scene().frame, generate);
+  EXPECT_TRUE(scene) << scene.error().message();
+  return **scene;
+}
+
+Image render_cpu(const Scene& scene) {
+  Result<Rendered> rendered = render_abuffer(scene);
+  EXPECT_TRUE(rendered);
+  return std::move(rendered->image);
+}
+
+double psnr(const Image& a, const Image& b) {
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const double difference = static_cast<double>(a.rgba[i]) - static_cast<double>(b.rgba[i]);
+    squares += difference * difference;
+    ++count;
+  }
+  return -10.0 * std::log10(squares / static_cast<double>(count));
+}
+
+/// What single precision may do to the colours of a scene: a kernel's place is rounded in units of its
+/// radius, with up to half its motion as offset, six times; the kernel changes by 2δ of that, and a colour by
+/// less, its contrast being 1 at most.
+double float_tolerance(const Scene& scene, const GpuRenderOptions& options) {
+  Subframes subframes(scene, options);
+  const KernelSet set = subframes.kernels(0);
+  double motion = 1.0;
+  for (const MovingKernel& kernel : set.kernels) {
+    const double radius = static_cast<double>(std::min(kernel.axis_u.norm(), kernel.axis_v.norm()));
+    motion = std::max(motion, 1.0 + 0.5 * kernel.velocity.norm() / radius);
+  }
+  return 2.0 * scene.model.delta * motion * 6.0 * 0x1p-24;
+}
+
+/// Pixels are flipped where rounding, at most 1e-5 of a radius or of a depth tolerance, puts one of some
+/// hundred fragments across a cut-off.
+constexpr double flips = 1e-3;
+
+TEST_F(GpuImage, AStillSceneEqualsTheCpuInTheInterior) {
+  Scene scene = spheres();
+  scene.background.setZero();  // so that alpha is coverage
+  scene.shutter.close = scene.shutter.open;
+  const Image cpu = render_cpu(scene);
+  for (const GpuRenderOptions& options : {six(1), six(4), still(1), still(4)}) {
+    const Image gpu = render(scene, options);
+    // Where the front surface covers the pixel, nothing behind it counts, and both models are the same.
+    const auto interior = [&](std::size_t p) { return gpu.rgba[4 * p + 3] == 1.0f; };
+    EXPECT_TRUE(equal_within(gpu.rgba, cpu.rgba, 4, {1e-5, flips}, interior));
+    EXPECT_TRUE(equal_within(gpu.depth, cpu.depth, 1, {1e-5 * 6.0, flips}, interior));
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < gpu.pixel_count(); ++p) count += interior(p) ? 1 : 0;
+    EXPECT_GT(count, gpu.pixel_count() / 8);
+  }
+}
+
+TEST_F(GpuImage, SixPassesEqualTheirPlainTwin) {
+  for (const Coverage coverage : {Coverage::soft, Coverage::hard})
+    for (const GpuRenderOptions& options : {six(1), six(3), still(3)}) {
+      Scene scene = spheres();
+      scene.model.coverage = coverage;
+      const Result<Rendered> twin = render_six_pass_twin(scene, options);
+      ASSERT_TRUE(twin);
+      const Image gpu = render(scene, options);
+      const double tolerance = float_tolerance(scene, options);
+      EXPECT_LE(tolerance, 1e-4);
+      EXPECT_TRUE(equal_within(gpu.rgba, twin->image.rgba, 4, {tolerance, flips}));
+      EXPECT_TRUE(equal_within(gpu.depth, twin->image.depth, 1, {10.0 * tolerance, flips}));
+    }
+}
+
+TEST_F(GpuImage, MoreSubframesComeNearerToTheExactImage) {
+  for (const auto& [name, scale] : {std::pair{"overlap.json", 0.1}, std::pair{"both_ends.json", 0.1}}) {
+    SCOPED_TRACE(name);
+    const Scene scene = dataset(name, scale);
+    const Image exact = render_cpu(scene);
+    std::vector<double> decibels;
+    for (const int n : {1, 2, 4, 8, 16}) {
+      decibels.push_back(psnr(render(scene, six(n)), exact));
+      RecordProperty(std::string(name) + "_" + std::to_string(n), std::to_string(decibels.back()));
+    }
+    // What is wrong is wrong within the sub-frames in which visibility changes, a share of the exposure that
+    // halves with their length: 6 dB per doubling where that is all, and less where surfaces change within
+    // one sub-frame and the next alike. A quarter of it has to be there each time, half of it on the whole.
+    for (std::size_t i = 1; i < decibels.size(); ++i) EXPECT_GE(decibels[i], decibels[i - 1] + 1.5) << i;
+    EXPECT_GE(decibels.back(), decibels.front() + 12.0);
+  }
+}
+
+TEST_F(GpuImage, StillFramesAverageToTheExactImage) {
+  Scene scene = spheres();
+  // A soft edge over another surface stays wrong however many there are.
+  scene.model.coverage = Coverage::hard;
+  const Image exact = render_cpu(scene);
+  const double few = psnr(render(scene, still(4)), exact), many = psnr(render(scene, still(32)), exact);
+  // The midpoint rule errs by 1/n where a pixel jumps: 18 dB for 8 times as many. The A-buffer's segments are
+  // not the true path, which still frames follow; a quarter is for that.
+  EXPECT_GT(many, few + 13.5);
+}
+
+TEST_F(GpuImage, LookupTablesChangeLittle) {
+  const Scene scene = spheres();
+  const Image computed = render(scene, six(1));
+  const Image tabled = render(scene, {GpuMethod::six_pass, 1, true});
+  EXPECT_NE(tabled.rgba, computed.rgba);
+  // Linear between texels h apart, exp(−y²) errs by 2 h²/8 and erf by 0.97 h²/8, twice, over a span of 1/16
+  // at least; h = 8/1023.
+  const double h = 8.0 / 1023.0;
+  EXPECT_TRUE(
+      equal_within(tabled.rgba, computed.rgba, 4, {std::sqrt(M_PI) / 2 * 2 * 0.97 * h * h / 8 * 16, 0.0}));
+}
+
+TEST_F(GpuImage, ACropEqualsThosePixelsOfTheWholeFilm) {
+  Scene scene = spheres();
+  const Image whole = render(scene, six(2));
+  scene.film.crop_x = 37, scene.film.crop_y = 21, scene.film.crop_width = 30, scene.film.crop_height = 19;
+  const Image crop = render(scene, six(2));
+  ASSERT_EQ(crop.width, 30);
+  ASSERT_EQ(crop.height, 19);
+  for (int y = 0; y < crop.height; ++y)
+    for (int i = 0; i < 4 * crop.width; ++i) {
+      const std::size_t at = static_cast<std::size_t>((y + 21) * 96 * 4 + 37 * 4 + i);
+      ASSERT_EQ(crop.rgba[static_cast<std::size_t>(y * crop.width * 4 + i)], whole.rgba[at]);
+    }
+}
+
+TEST_F(GpuImage, TheSameSceneGivesTheSameBitsAgain) {
+  const Scene scene = spheres();
+  const Image first = render(scene, six(2));
+  render(scene, still(1));
+  EXPECT_EQ(render(scene, six(2)).rgba, first.rgba);
+}
+
+TEST_F(GpuImage, AnEmptySceneIsTheBackground) {
+  Scene scene = spheres();
+  scene.objects.clear();
+  const Image image = render(scene, six(4));
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) ASSERT_EQ(image.rgba[i], scene.background[i % 4]);
+  for (const float depth : image.depth) ASSERT_TRUE(std::isinf(depth));
+}
+
+TEST_F(GpuImage, RefusesWhatItCannotDoAndGoesOn) {
+  Scene scene = spheres();
+  scene.objects[1].cloud.opacity.assign(scene.objects[1].cloud.size(), 0.5f);
+  Result<Rendered> refused = renderer_->render(scene, six(1));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().field, "/objects/1");
+  EXPECT_EQ(renderer_->render(spheres(), six(0)).error().field, "subframes");
+  scene = spheres();
+  scene.model.delta = -1.0;
+  EXPECT_FALSE(renderer_->render(scene, six(1)).ok());
+  scene = spheres();
+  scene.film = {65536, 1, 0, 0, 0, 0};
+  refused = renderer_->render(scene, six(1));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().field, "/film");
+  EXPECT_FALSE(render(spheres(), six(1)).rgba.empty());
+}
+
+std::size_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t total = 0, resident = 0;
+  file >> total >> resident;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST_F(GpuImage, ThirtyFramesTakeNoMoreMemoryThanSix) {
+  Scene scene = spheres();
+  scene.film.width = scene.film.height = 256;
+  scene.objects.pop_back();
+  const auto frames = [&](int count) {
+    for (int i = 0; i < count; ++i) render(scene, i % 2 == 0 ? six(1) : still(2));
+  };
+  frames(6);
+  const std::size_t before = resident_bytes();
+  frames(24);
+  // One colour target a frame would be 24 MiB, one upload of kernels a frame 12 MiB.
+  EXPECT_LT(resident_bytes(), before + 6u * (1u << 20));
+}
+
+/// OpenGL names in use, in the current context. Small numbers are given out first.
+int names_in_use() {
+  int count = 0;
+  for (GLuint name = 1; name < 2048; ++name)
+    count += glIsBuffer(name) + glIsTexture(name) + glIsFramebuffer(name) + glIsVertexArray(name) +
+             glIsQuery(name) + glIsProgram(name) + glIsShader(name);
+  return count;
+}
+
+TEST(GpuObjects, ThirtyFramesLeaveNoNamesBehind) {
+  const Result<GlContext> context = GlContext::create("");
+  if (!context) GTEST_SKIP() << context.error().message();
+  const CurrentContext current(*context);
+  ASSERT_EQ(names_in_use(), 0);
+  Subframes subframes(spheres(), six(1));
+  const KernelSet set = subframes.kernels(0);
+  {
+    Result<PassRunner> runner = PassRunner::create(1000);
+    ASSERT_TRUE(runner);
+    int after_first = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+      const int size = frame % 3 == 0 ? 32 : 16;
+      ASSERT_TRUE(
+          runner->begin_frame(size, size, frame % 2 == 0 ? six_passes() : still_passes(), frame % 5 == 0));
+      FrameBlock block{};
+      block.window_size = {static_cast<float>(size), static_cast<float>(size)};
+      block.near_plane = static_cast<float>(set.near);
+      block.delta = 3.0f;
+      block.share = 1.0f;
+      runner->draw_subframe(make_instances(set, {32, 16, size, size}), block);
+      ASSERT_TRUE(runner->end_frame());
+      if (frame % 6 == 0) {
+        const int now = names_in_use();
+        if (frame == 0) after_first = now;
+        EXPECT_EQ(now, after_first);
+      }
+    }
+    EXPECT_GT(after_first, 0);
+  }
+  EXPECT_EQ(names_in_use(), 0);
+}
+
+}  // namespace
+}  // namespace swept
