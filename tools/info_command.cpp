@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/App.hpp>
@@ -12,6 +13,7 @@
 
 #include "datasets/generators.h"
 #include "splat/io/scene_file.h"
+#include "tools/gpu_method.h"
 #include "tools/scene_options.h"
 #include "tools/scene_report.h"
 
@@ -23,7 +25,7 @@ using Json = nlohmann::ordered_json;
 struct InfoArguments {
   std::string scene;
   std::optional<double> frame;
-  bool json = false;
+  bool json = false, gpus = false;
   std::shared_ptr<const SceneOverrides> overrides;
 };
 
@@ -114,7 +116,24 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+int list_devices(const InfoArguments& arguments) {
+  const Result<std::vector<std::string>> devices = describe_gpus();
+  if (!devices) {
+    fmt::print(stderr, "swept info: {}\n", devices.error().message());
+    return 1;
+  }
+  if (arguments.json)
+    fmt::print("{}\n", Json{{"gpus", *devices}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  else if (devices->empty())
+    fmt::print("EGL lists no devices\n");
+  else
+    for (const std::string& device : *devices) fmt::print("{}\n", device);
+  return 0;
+}
+
 int info(const InfoArguments& arguments) {
+  if (arguments.gpus) return list_devices(arguments);
+  if (arguments.scene.empty()) throw CLI::RequiredError("scene, or --gpus,");
   Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
   if (!file) return report_scene_error("info", file.error());
   const double frame = arguments.frame.value_or(file->scene().frame);
@@ -133,7 +152,8 @@ int info(const InfoArguments& arguments) {
 void add_info_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene file holds and what it resolves to");
-  command->add_option("scene", arguments->scene, "The scene file")->required()->type_name("FILE.json");
+  auto* scene = command->add_option("scene", arguments->scene, "The scene file")->type_name("FILE.json");
+  command->add_flag("--gpus", arguments->gpus, "List the devices of the GPU modes instead")->excludes(scene);
   command->add_option("--frame", arguments->frame, "The frame to look at; by default the scene's own")
       ->check(CLI::Range(-1e9, 1e9));
   command->add_flag("--json", arguments->json, "Print JSON");

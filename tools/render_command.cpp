@@ -24,6 +24,7 @@
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
+#include "tools/gpu_method.h"
 #include "tools/outputs.h"
 #include "tools/progress.h"
 #include "tools/scene_options.h"
@@ -38,8 +39,9 @@ struct RenderArguments {
   std::string scene, output, preview, stats;
   std::string method = "abuffer", motion = "segments";
   std::vector<int> frames;  ///< empty: the scene's own
-  std::optional<int> samples;
-  bool motion_given = false, overwrite = false, skip_existing = false, dry_run = false;
+  std::optional<int> samples, subframes;
+  std::string gpu;
+  bool lookup_tables = false, motion_given = false, overwrite = false, skip_existing = false, dry_run = false;
   int threads = 0;
   std::shared_ptr<const SceneOverrides> overrides;
 };
@@ -51,11 +53,35 @@ struct Method {
   std::string description;  ///< what of method and options is in the image
 };
 
+/// Options of a method other than the chosen one.
+void check_method_options(const RenderArguments& arguments) {
+  const auto check = [&](const char* option, bool given, const char* methods, bool goes) {
+    if (given && !goes) throw CLI::ValidationError(option, fmt::format("goes with --method {}", methods));
+  };
+  const bool reference = arguments.method == "reference", six_pass = arguments.method == "gpu";
+  const bool gpu = six_pass || arguments.method == "gpu-still";
+  check("--samples", arguments.samples.has_value(), "reference", reference);
+  check("--reference-motion", arguments.motion_given, "reference", reference);
+  check("--subframes", arguments.subframes.has_value(), "gpu or gpu-still", gpu);
+  check("--gpu", !arguments.gpu.empty(), "gpu or gpu-still", gpu);
+  check("--lookup-tables", arguments.lookup_tables, "gpu", six_pass);
+}
+
+Method choose_gpu_method(const RenderArguments& arguments) {
+  GpuChoice choice;
+  choice.still_frames = arguments.method == "gpu-still";
+  choice.subframes = arguments.subframes.value_or(choice.still_frames ? 64 : 8);
+  choice.lookup_tables = arguments.lookup_tables;
+  choice.device = arguments.gpu;
+  return {gpu_method(choice),
+          {{"subframes", choice.subframes}, {"lookup_tables", choice.lookup_tables ? 1 : 0}},
+          fmt::format("{} {}{}", arguments.method, choice.subframes, choice.lookup_tables ? " tables" : "")};
+}
+
 Method choose_method(const RenderArguments& arguments) {
+  check_method_options(arguments);
+  if (arguments.method == "gpu" || arguments.method == "gpu-still") return choose_gpu_method(arguments);
   if (arguments.method == "abuffer") {
-    if (arguments.samples) throw CLI::ValidationError("--samples", "goes with --method reference");
-    if (arguments.motion_given)
-      throw CLI::ValidationError("--reference-motion", "goes with --method reference");
     AbufferOptions options;
     options.threads = arguments.threads;
     return {[options](const Scene& scene) { return render_abuffer(scene, options); },
@@ -206,7 +232,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const M
   }
   if (arguments.stats.empty()) return 0;
   rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) == 0) run.peak_memory_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  if (getrusage(RUSAGE_SELF, &usage) == 0)
+    run.peak_memory_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
   const Status written = write_file(arguments.stats, to_json(run));
   return written ? 0 : fail(written.error());
 }
@@ -264,8 +291,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->excludes(overwrite);
   command->add_flag("--dry-run", arguments->dry_run,
                     "Read everything, check the outputs, print the plan and render nothing");
-  command->add_option("--method", arguments->method, "The exact A-buffer, or the mean of many still images")
-      ->check(CLI::IsMember({"abuffer", "reference"}))
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "The exact A-buffer, the mean of many still images, the six passes on a GPU, or still frames "
+          "averaged there")
+      ->check(CLI::IsMember({"abuffer", "reference", "gpu", "gpu-still"}))
       ->capture_default_str();
   command->add_option("--samples", arguments->samples, "Still images of the reference, even [256]");
   const auto* motion =
@@ -274,6 +305,18 @@ void add_render_command(CLI::App& app, int& exit_code) {
                        "What the reference moves the points along: the linear segments, or the true path")
           ->check(CLI::IsMember({"segments", "smooth"}))
           ->capture_default_str();
+  command
+      ->add_option("--subframes", arguments->subframes,
+                   "Parts of the exposure that the GPU modes draw one by one [8; gpu-still: 64]")
+      ->check(CLI::Range(1, 65536));
+  command
+      ->add_option(
+          "--gpu", arguments->gpu,
+          "Device of the GPU modes, as `swept info --gpus` lists them; else the environment variable "
+          "SWEPT_GPU, else the first that works")
+      ->type_name("DEVICE");
+  command->add_flag("--lookup-tables", arguments->lookup_tables,
+                    "Six passes: take exp and erf from tables instead of computing them");
   command->add_option("--threads", arguments->threads, "Threads; 0 takes all, and none changes a bit")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

@@ -1,0 +1,27 @@
+// The GPU modes as the command sees them; without SWEPT_GPU, what says that they are not there.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "splat/rendered.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct GpuChoice {
+  bool still_frames = false;   ///< temporal supersampling, else six passes
+  int subframes = 1;           ///< [1, 65536]
+  bool lookup_tables = false;  ///< six passes: exp and erf from textures
+  std::string device;          ///< an id of list_gpus(); empty: SWEPT_GPU, or the first that works
+};
+
+/// A renderer that opens its device at the first frame, and keeps it.
+[[nodiscard]] std::function<Result<Rendered>(const Scene&)> gpu_method(const GpuChoice& choice);
+
+/// One line for each device: its id, then what it is, or why it cannot be used.
+[[nodiscard]] Result<std::vector<std::string>> describe_gpus();
+
+}  // namespace swept
