@@ -36,8 +36,8 @@ struct RayCoordinates {
 /// Powers of two common to the axes, and to c and m, are taken out before anything is multiplied: no product
 /// overflows or underflows, and scaling a scene by a power of two changes no bit of (u, v).
 ///
-/// Errors of `along` in double, with ε = 2⁻⁵³, |a| the larger of |a₁| and |a₂|, and N = Σ|nᵢdᵢ|, which is
-/// |n·d| but for cancellation near edge-on. (u, v) are those of a centre moved by ε|c| and
+/// Errors of `along`, with ε the unit roundoff of T, |a| the larger of |a₁| and |a₂|, and N = Σ|nᵢdᵢ|, which
+/// is |n·d| but for cancellation near edge-on. (u, v) are those of a centre moved by ε|c| and
 ///   |Δu| ≤ ε (5 |a||c| (|x − c_x/c_z| + |y − c_y/c_z|) + |u| (4N + 2|n·d|)) / |n·d|,
 ///   |Δdu| ≤ ε (6 |a||m| (|x| + |y| + 1) + |du| (4N + 2|n·d|)) / |n·d|,
 ///   |Δz| ≤ ε (4 |n||c| + |z| (4N + 2|n·d|)) / |n·d|,   |Δdz| the same with m for c.

@@ -2,9 +2,8 @@
 
 namespace swept::oracle {
 
-CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y) {
+CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y, double unit) {
   using Eigen::Vector3d;
-  constexpr double unit = 0x1p-53;
   const Ray exact = along(kernel, x, y);
   // Scaled as the axes are, for their squares to be in range.
   const double scale =
@@ -31,10 +30,10 @@ CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double 
 }
 
 double coordinate_error(const MovingKernel& kernel, double x, double y,
-                        const RayCoordinates<double>& computed) {
+                        const RayCoordinates<double>& computed, double unit) {
   const Ray exact = along(kernel, x, y);
   if (!(exact.facing_ratio > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  const CoordinateBounds bounds = coordinate_bounds(kernel, x, y);
+  const CoordinateBounds bounds = coordinate_bounds(kernel, x, y, unit);
   const auto share = [](double value, Exact of, double bound) {
     const double off = error(value, of);
     return off == 0.0 ? 0.0 : off / bound;

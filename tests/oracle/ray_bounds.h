@@ -17,12 +17,13 @@ struct CoordinateBounds {
   double u, v, z, du, dv, dz;
 };
 
-/// Those of KernelPlane<double>::along, at the exact coordinates.
-[[nodiscard]] CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y);
+/// Those of KernelPlane::along, at the exact coordinates, for a type of the given unit roundoff.
+[[nodiscard]] CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y,
+                                                 double unit = 0x1p-53);
 
-/// The largest of |error| / bound over the six coordinates; NaN where n·d = 0.
+/// The largest of |error| / bound over the six coordinates; NaN where n·d = 0, infinity for a result of NaN.
 [[nodiscard]] double coordinate_error(const MovingKernel& kernel, double x, double y,
-                                      const RayCoordinates<double>& computed);
+                                      const RayCoordinates<double>& computed, double unit = 0x1p-53);
 
 /// Errors of tube results, as shares of their bounds: at most 1 where these hold.
 struct TubeError {
