@@ -194,6 +194,7 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   const double swept = static_cast<double>(std::max<std::uint64_t>(1, c.swept_pixels));
   s.count("surfels", static_cast<double>(set.surfels));
   s.count("kernels", static_cast<double>(set.kernels.size()));
+  s.count("segments", set.most_segments);
   s.count("kernels_still", static_cast<double>(set.still_kernels));
   s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
   s.count("culled_near", static_cast<double>(set.culled_near));

@@ -4,6 +4,7 @@
 // came from a surfel.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -30,7 +31,7 @@ struct FragmentArrays {
   /// Makes room for `more` fragments beyond count.
   void ensure(std::size_t more) {
     if (count + more <= pixel.size()) return;
-    const std::size_t size = (count + more) * 3 / 2;
+    const std::size_t size = std::max(count + more, 2 * pixel.size());
     pixel.resize(size);
     kernel.resize(size);
     for (std::vector<float>* field : {&t_begin, &t_end, &y, &rate, &peak, &z, &z_rate}) field->resize(size);

@@ -8,35 +8,11 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/instant.h"
+#include "splat/segments.h"
+
 namespace swept {
 namespace {
-
-/// Object and camera at one instant of the shutter, folded into one affine map.
-struct Instant {
-  double frame = 0.0;
-  Eigen::Affine3d world_from_object;
-  Eigen::Matrix3d camera_from_world;
-  Eigen::Vector3d eye;
-  double zoom = 1.0;  ///< focal length relative to the projection's
-
-  [[nodiscard]] Eigen::Vector3d to_camera(const Eigen::Vector3d& point) const {
-    // The eye is subtracted in world space, where survey coordinates still have all their digits.
-    Eigen::Vector3d p = camera_from_world * (world_from_object * point - eye);
-    p.head<2>() *= zoom;
-    return p;
-  }
-  [[nodiscard]] Eigen::Vector3d to_camera_direction(const Eigen::Vector3d& direction) const {
-    Eigen::Vector3d p = camera_from_world * (world_from_object.linear() * direction);
-    p.head<2>() *= zoom;
-    return p;
-  }
-};
-
-Instant instant_at(const Scene& scene, const Object& object, double frame, double reference_tangent) {
-  const CameraInstant camera = scene.camera.at(frame);
-  return {frame, object.transform.at(frame), camera.camera_from_world.linear(), camera.eye,
-          reference_tangent / camera.tan_half_fov_y};
-}
 
 /// Spreads the low 21 bits of `v` to every third bit.
 std::uint64_t every_third_bit(std::uint64_t v) {
@@ -107,8 +83,7 @@ class Builder {
  public:
   Builder(const Scene& scene, KernelSet& out) : scene_(scene), out_(out) {
     const double middle = scene.frame + 0.5 * (scene.shutter.open + scene.shutter.close);
-    tangent_ = scene.camera.at(middle).tan_half_fov_y;
-    out.projection = projection_of(scene.film, tangent_);
+    out.projection = projection_of(scene.film, scene.camera.at(middle).tan_half_fov_y);
     out.near = scene.camera.near;
     // A guard band: beyond it a disc touches the frame with its rim only, if at all.
     constexpr double guard = 1.3;
@@ -119,16 +94,11 @@ class Builder {
   }
 
   void add(const Object& object) {
-    const double open = scene_.frame + scene_.shutter.open, close = scene_.frame + scene_.shutter.close;
-    const bool constant =
-        open == close || (!object.cloud.moves() && object.transform.constant_over(open, close) &&
-                          scene_.camera.constant_over(open, close));
-    const int segments = constant ? 1 : object.segments > 0 ? object.segments : scene_.model.segments;
+    const int segments = linear_segments(scene_, object);
+    out_.most_segments = std::max(out_.most_segments, segments);
     std::vector<Instant> ends, middles;
-    for (int s = 0; s <= 2 * segments; ++s) {
-      const double frame = open + (close - open) * s / (2.0 * segments);
-      (s % 2 ? middles : ends).push_back(instant_at(scene_, object, frame, tangent_));
-    }
+    for (int s = 0; s <= 2 * segments; ++s)
+      (s % 2 ? middles : ends).push_back(instant_at(scene_, object, s / (2.0 * segments)));
     const std::size_t count = object.cloud.size();
     out_.surfels += count;
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
@@ -190,7 +160,6 @@ class Builder {
   const Scene& scene_;
   KernelSet& out_;
   PixelFilter filter_;
-  double tangent_ = 1.0;
 };
 
 }  // namespace

@@ -72,8 +72,9 @@ Status ImageModel::validate() const {
     return bad("/edge_weight", "the edge weight must be above 0 and at most 1");
   if (!(depth_tolerance >= 0.0 && depth_tolerance <= 100.0))
     return bad("/depth_tolerance", "the depth tolerance must be between 0 and 100");
-  if (segments < 1 || segments > max_segments)
-    return bad("/segments", "segments must be between 1 and " + std::to_string(max_segments));
+  if (segments < 0 || segments > max_segments)
+    return bad("/segments",
+               "segments must be between 1 and " + std::to_string(max_segments) + ", or 0 to have them chosen");
   return Done{};
 }
 

@@ -1,0 +1,18 @@
+// Into how many linear segments a path has to be cut.
+#pragma once
+
+#include "splat/scene.h"
+
+namespace swept {
+
+/// The most segments that are chosen unasked.
+inline constexpr int max_chosen_segments = 64;
+
+/// How many linear segments build_kernels() cuts the paths of `object` into over the shutter:
+/// Object::segments, else ImageModel::segments, else as many as keep every point within 0.1 px of its true
+/// path on the film and the discs' rims within 0.25 px on average, up to max_chosen_segments. That is judged
+/// by a sample of about a thousand points, which depends on the points and not on their order. 1 where
+/// nothing moves. `scene` must satisfy validate().
+[[nodiscard]] int linear_segments(const Scene& scene, const Object& object);
+
+}  // namespace swept
