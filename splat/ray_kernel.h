@@ -7,7 +7,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/Core>
@@ -53,17 +55,17 @@ class KernelPlane {
         exponent(std::max<double>(kernel.axis_u.cwiseAbs().maxCoeff(), kernel.axis_v.cwiseAbs().maxCoeff()));
     const int length_exponent =
         exponent(std::max(kernel.center.cwiseAbs().maxCoeff(), kernel.velocity.cwiseAbs().maxCoeff()));
-    const Vector3d a = scaled(kernel.axis_u.cast<double>(), -axis_exponent);
-    const Vector3d b = scaled(kernel.axis_v.cast<double>(), -axis_exponent);
-    const Vector3d c = scaled(kernel.center, -length_exponent), m = scaled(kernel.velocity, -length_exponent);
+    const double axis_unit = power_of_two(-axis_exponent), length_unit = power_of_two(-length_exponent);
+    const Vector3d a = axis_unit * kernel.axis_u.cast<double>(), b = axis_unit * kernel.axis_v.cast<double>();
+    const Vector3d c = length_unit * kernel.center, m = length_unit * kernel.velocity;
     const Vector3d n = a.cross(b);
-    const int back = length_exponent - axis_exponent;
+    const double lengths_per_axis = power_of_two(length_exponent - axis_exponent);
     normal_ = n.cast<T>();
-    u_ = in_range(scaled(b.cross(c), back));
-    v_ = in_range(scaled(c.cross(a), back));
-    du_ = in_range(scaled(b.cross(m), back));
-    dv_ = in_range(scaled(m.cross(a), back));
-    const Vector3 depths = in_range(scaled(Vector3d(n.dot(c), n.dot(m), 0.0), length_exponent));
+    u_ = in_range(lengths_per_axis * b.cross(c));
+    v_ = in_range(lengths_per_axis * c.cross(a));
+    du_ = in_range(lengths_per_axis * b.cross(m));
+    dv_ = in_range(lengths_per_axis * m.cross(a));
+    const Vector3 depths = in_range(power_of_two(length_exponent) * Vector3d(n.dot(c), n.dot(m), 0.0));
     z_ = depths.x();
     dz_ = depths.y();
     facing_ = kernel.facing.cast<T>();
@@ -96,13 +98,13 @@ class KernelPlane {
   }
 
  private:
+  /// e with 2^(e−1) ≤ largest < 2^e, within ±1000: powers of two are then normal numbers, and what is beyond
+  /// is in range all the same when they are taken out.
   static int exponent(double largest) {
-    int result = 0;
-    std::frexp(largest, &result);
-    return result;
+    return std::clamp(static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1022, -1000, 1000);
   }
-  static Eigen::Vector3d scaled(const Eigen::Vector3d& v, int power) {
-    return {std::ldexp(v.x(), power), std::ldexp(v.y(), power), std::ldexp(v.z(), power)};
+  static double power_of_two(int power) {
+    return std::bit_cast<double>(static_cast<std::uint64_t>(std::clamp(power, -1000, 1000) + 1023) << 52);
   }
   /// What is beyond T's range is far outside the disc, and stays there.
   static Vector3 in_range(const Eigen::Vector3d& v) {
