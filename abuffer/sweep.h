@@ -19,21 +19,13 @@
 #include "abuffer/composite.h"
 #include "abuffer/fragments.h"
 #include "abuffer/members.h"
+#include "abuffer/surfaces.h"
 
 namespace swept {
 
-struct SweepCounters {
-  std::uint64_t intervals = 0;    ///< pieces of time resolved
-  std::uint64_t crossings = 0;    ///< shortenings of a piece because a surface's members change within
-  std::uint64_t subdivided = 0;   ///< and because weights or coverage change too much within
-  std::uint64_t evaluations = 0;  ///< fragments integrated, summed over pieces and surfaces
-  std::uint64_t hidden = 0;       ///< fragments put aside
-  std::uint64_t revealed = 0;     ///< times they had to be taken back
-};
-
 class PixelSweep {
  public:
-  explicit PixelSweep(const SurfaceModel& model) : model_(model) {}
+  explicit PixelSweep(const SurfaceModel& model) : surfaces_(model) {}
 
   /// Resolves the `count` fragments `indices` of `fragments`, in any order but one that does not depend on
   /// the order of the scene's points. Adds to `pixel` and `counters`.
@@ -42,15 +34,6 @@ class PixelSweep {
 
  private:
   enum class State : std::uint8_t { waiting, active, hidden, gone };
-  struct Surface {
-    Members members;
-    MemberSum sum;
-  };
-  /// A surface whose members are not all of active_.
-  struct Part {
-    MemberSet members;
-    std::size_t last;  ///< of order_
-  };
 
   void start(std::size_t count);
   void activate(std::uint32_t place);
@@ -63,13 +46,8 @@ class PixelSweep {
   [[nodiscard]] bool lies_behind(std::uint32_t place) const;
 
   float resolve_until(float begin, float end, PixelSum& pixel);
-  float build_surfaces(float begin, float end);
-  std::size_t gather_nearest(std::size_t first, float begin, float& end);
-  float measure(Surface& surface, float begin, float end);
-  float shorten(float begin, float end, float fraction);
-  void composite(float begin, float end, PixelSum& pixel);
 
-  SurfaceModel model_;
+  SurfaceStack surfaces_;
 
   // One call's input.
   const FragmentArrays* fragments_ = nullptr;
@@ -89,14 +67,6 @@ class PixelSweep {
   /// Depth beyond which nothing shows: of the last piece, +∞ unless it was opaque.
   float front_limit_ = std::numeric_limits<float>::infinity();
   float front_margin_ = 0.0f;
-
-  // One piece of time.
-  std::vector<std::uint32_t> order_;
-  std::vector<Surface> surfaces_;
-  std::vector<Part> parts_;
-  std::size_t used_ = 0;  ///< members in surfaces_; the rest of order_ lies behind
-  float piece_limit_ = 0.0f, piece_margin_ = 0.0f, transmittance_ = 1.0f;
-  std::vector<float> mean_, z_begin_, z_end_;
 };
 
 }  // namespace swept
