@@ -158,6 +158,21 @@ TEST(KernelIntegral, IsContinuousAcrossItsSwitches) {
   step_across_switches<float>(3.0);
 }
 
+/// Within the branches: where exp's argument is shifted, and where the tail is cut off.
+TEST(KernelIntegral, IsContinuousWithinItsBranches) {
+  const double shifted = std::sqrt(690.0);
+  for (double y = shifted - 1e-13; y < shifted + 1e-13; y = std::nextafter(y, 100.0))
+    EXPECT_LE(oracle::ulps(mean_gaussian(y, y), oracle::mean_gaussian(y, y)), 4.0) << y;
+  const double cut_off = TailQuadrature<double>::cut_off;
+  for (const double a : {1e-9, 0.1, 0.5, 2.0, 7.0, 20.0, 26.0}) {
+    const double reach = cut_off / (a + std::sqrt(a * a + cut_off));
+    for (int i = -20; i <= 20; ++i) {
+      const double b = (a + reach) * (1.0 + i * 0x1p-52);
+      EXPECT_LE(oracle::ulps(mean_gaussian(a, b), oracle::mean_gaussian(a, b)), 4.0) << a << " " << b;
+    }
+  }
+}
+
 TEST(KernelIntegral, AnInstantIsTheGaussianItself) {
   for (double y = -26.5; y <= 26.5; y += 0.37) {
     EXPECT_LE(oracle::ulps(mean_gaussian(y, y), oracle::mean_gaussian(y, y)), 4.0) << y;

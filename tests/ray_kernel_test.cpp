@@ -52,6 +52,21 @@ void expect_coordinates_within_bounds() {
 TEST(KernelPlane, CoordinatesKeepTheirBoundsInDouble) { expect_coordinates_within_bounds<double>(); }
 TEST(KernelPlane, CoordinatesKeepTheirBoundsInFloat) { expect_coordinates_within_bounds<float>(); }
 
+/// Coordinates are taken from the ray through the centre unless that lies too far beside the eye. On either
+/// side of that switch they keep their bounds, so they differ by no more than the two together.
+TEST(KernelPlane, TheRayItStartsFromDoesNotShow) {
+  Random random(9);
+  for (int i = 0; i < 50; ++i) {
+    MovingKernel kernel = oracle::hard_cases()[0].make(random).kernel;
+    kernel.center = {3.0, uniform(random, -2.0, 2.0), 0.0};
+    for (int step = -5; step <= 5; ++step) {
+      kernel.center.z() = 3.0 * 0x1p-20 * (1.0 + step * 0x1p-52);
+      const double x = uniform(random, -1.0, 1.0), y = uniform(random, -1.0, 1.0);
+      EXPECT_LE(oracle::coordinate_error(kernel, x, y, KernelPlane<double>(kernel).along(x, y)), 1.0);
+    }
+  }
+}
+
 /// The inverse of [a₁ a₂ m c] (Heinzle 2010, Eq. 15 to 17) gives the same coordinates where it exists.
 /// Computed by cofactors, it is off by up to 32 ε κ of its own norm, which the coordinates inherit to first
 /// order.
