@@ -199,6 +199,7 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
   s.count("culled_near", static_cast<double>(set.culled_near));
   s.count("culled_outside", static_cast<double>(bins.outside()));
+  s.count("culled_facing_away", static_cast<double>(bins.facing_away()));
   s.count("tile_entries", static_cast<double>(bins.entry_count()));
   s.count("tiles_split", static_cast<double>(c.split_tiles));
   s.count("fragments", static_cast<double>(c.fragments));

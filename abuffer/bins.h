@@ -24,13 +24,16 @@ class TileBins {
   }
   [[nodiscard]] std::size_t entry_count() const { return entries_.size(); }
   [[nodiscard]] std::size_t outside() const { return outside_; }  ///< kernels that touch no pixel
+  [[nodiscard]] std::size_t facing_away() const {
+    return facing_away_;
+  }  ///< seen from behind wherever they are
 
  private:
   Window film_;
   int tile_px_, columns_, rows_;
   std::vector<std::size_t> starts_;
   std::vector<std::uint32_t> entries_;
-  std::size_t outside_ = 0;
+  std::size_t outside_ = 0, facing_away_ = 0;
 };
 
 }  // namespace swept
