@@ -96,7 +96,7 @@ Status GpuOptions::validate() const {
 }
 
 Status GpuRenderOptions::validate() const {
-  if (subframes < 1 || subframes > 65536) return Error{"", "subframes", "must be in [1, 65536]"};
+  if (subframes < 0 || subframes > 65536) return Error{"", "subframes", "must be in [0, 65536]"};
   return Done{};
 }
 

@@ -55,7 +55,9 @@ enum class GpuMethod {
 
 struct GpuRenderOptions {
   GpuMethod method = GpuMethod::six_pass;
-  int subframes = 1;           ///< equal parts of the exposure; [1, 65536]
+  /// Equal parts of the exposure; [0, 65536]. 0: as many as the motion asks for, so that no disc on the film
+  /// moves more than 8 px in a sub-frame, or 1 px between still frames; 256 at most.
+  int subframes = 1;
   bool lookup_tables = false;  ///< exp and erf from textures, as in the paper, instead of computed
 
   [[nodiscard]] Status validate() const;

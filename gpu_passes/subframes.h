@@ -13,13 +13,15 @@ class Subframes {
   /// Options and scene must be valid.
   Subframes(const Scene& scene, const GpuRenderOptions& options);
 
-  /// options.subframes, or 1 where nothing moves and all would be the same.
+  /// options.subframes or the number chosen; 1 where nothing moves and all would be the same.
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool still() const { return nothing_moves_; }
   /// Of sub-frame `j` in [0, count()). Shutter time 0 and 1 are the sub-frame's own ends.
   [[nodiscard]] KernelSet kernels(int j);
 
  private:
+  [[nodiscard]] int choose();
+
   Scene part_;
   Shutter shutter_;
   bool still_frames_, nothing_moves_;

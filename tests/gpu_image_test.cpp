@@ -173,6 +173,37 @@ TEST_F(GpuImage, StillFramesAverageToTheExactImage) {
   EXPECT_GT(many, few + 13.5);
 }
 
+TEST(Subframes, AreChosenFromTheMotion) {
+  Scene scene = spheres();
+  const auto chosen = [&](const GpuRenderOptions& options) { return Subframes(scene, options).count(); };
+  scene.objects.pop_back();
+  EXPECT_EQ(chosen(six(0)), 1);
+  EXPECT_EQ(chosen(still(0)), 1);
+
+  // The near side of the ball at depth 2.5, 64 px of focal length: 1 unit is 25.6 px. The disc nearest to the
+  // eye stands a little beyond its very front, and discs are bounded by boxes: a pixel for that.
+  TransformKey key;
+  key.translate.x() = -0.5;
+  scene.objects[0].transform.keys.push_back(key);
+  key.frame = 1.0;
+  key.translate.x() = 0.5;
+  scene.objects[0].transform.keys.push_back(key);
+  EXPECT_EQ(chosen(six(0)), 4);
+  EXPECT_NEAR(chosen(still(0)), 26, 1);
+  EXPECT_EQ(chosen(six(7)), 7);
+
+  // A whole turn: its ends are where it began.
+  scene.objects[0].transform.keys[1] = scene.objects[0].transform.keys[0];
+  scene.objects[0].transform.keys[1].frame = 1.0;
+  scene.objects[0].transform.keys[1].rotate_radians = 2.0 * M_PI;
+  EXPECT_GT(chosen(six(0)), 10);
+
+  // Too fast for any number.
+  scene.objects[0].transform.keys[0].translate.x() = -5000.0;
+  scene.objects[0].transform.keys[1].translate.x() = 5000.0;
+  EXPECT_EQ(chosen(six(0)), 256);
+}
+
 TEST_F(GpuImage, LookupTablesChangeLittle) {
   const Scene scene = spheres();
   const Image computed = render(scene, six(1));
@@ -220,7 +251,7 @@ TEST_F(GpuImage, RefusesWhatItCannotDoAndGoesOn) {
   Result<Rendered> refused = renderer_->render(scene, six(1));
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().field, "/objects/1");
-  EXPECT_EQ(renderer_->render(spheres(), six(0)).error().field, "subframes");
+  EXPECT_EQ(renderer_->render(spheres(), six(-1)).error().field, "subframes");
   scene = spheres();
   scene.model.delta = -1.0;
   EXPECT_FALSE(renderer_->render(scene, six(1)).ok());

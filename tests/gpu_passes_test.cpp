@@ -153,6 +153,22 @@ TEST_F(GpuPasses, WhatIsSeenAtOneEndContributesItsWholeIntegral) {
   EXPECT_NEAR(at(Target::depth_sum, 16, 16), 100.0 + 90.0 * red_integral, 200.0 * rounding);
 }
 
+TEST_F(GpuPasses, AKernelThatIsGoneInAnInstantKeepsItsDigits) {
+  for (const double motion : {1e3, 1e4, 1e5, 1e6}) {
+    SCOPED_TRACE(motion);
+    KernelSet set = stage_kernels();
+    set.kernels = {disc(16.5, 16.5, 100.0, 1.0, motion, red)};
+    draw(set, stage_scene());
+    // The whole chord through the middle: √(π/δ) erf(√δ) radii of the way.
+    const double integral = std::sqrt(M_PI / 3.0) * std::erf(std::sqrt(3.0)) / motion;
+    EXPECT_NEAR(at(Target::color_sum, 16, 16, 3), integral, integral * 2.0 * rounding);
+    EXPECT_NEAR(at(Target::earliest, 16, 16), 0.5 - 1.0 / motion, rounding);
+    EXPECT_EQ(at(Target::color_sum, 16, 18, 3), 0.0);
+    EXPECT_GT(at(Target::color_sum, 0, 16, 3), 0.0);
+    EXPECT_GT(at(Target::color_sum, 31, 16, 3), 0.0);
+  }
+}
+
 TEST_F(GpuPasses, BackgroundSeenInTheMiddleButNotAtTheEndsIsLost) {
   KernelSet set = stage_kernels();
   set.kernels = {disc(26.5, 16.5, 90.0, 3.0, 20.0, red), disc(6.5, 16.5, 90.0, 3.0, 20.0, blue)};

@@ -13,7 +13,7 @@ namespace swept {
 
 struct GpuChoice {
   bool still_frames = false;   ///< temporal supersampling, else six passes
-  int subframes = 1;           ///< [1, 65536]
+  int subframes = 0;           ///< [0, 65536]; 0: chosen from the motion
   bool lookup_tables = false;  ///< six passes: exp and erf from textures
   std::string device;          ///< an id of list_gpus(); empty: SWEPT_GPU, or the first that works
 };

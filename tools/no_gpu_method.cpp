@@ -3,7 +3,7 @@
 namespace swept {
 namespace {
 
-Error not_built() { return {"", "--method", "this swept was built without the GPU modes (SWEPT_GPU=OFF)"}; }
+Error not_built() { return {"", "", "this swept was built without the GPU modes (SWEPT_GPU=OFF)"}; }
 
 }  // namespace
 

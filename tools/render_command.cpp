@@ -70,7 +70,7 @@ void check_method_options(const RenderArguments& arguments) {
 Method choose_gpu_method(const RenderArguments& arguments) {
   GpuChoice choice;
   choice.still_frames = arguments.method == "gpu-still";
-  choice.subframes = arguments.subframes.value_or(choice.still_frames ? 64 : 8);
+  choice.subframes = arguments.subframes.value_or(0);
   choice.lookup_tables = arguments.lookup_tables;
   choice.device = arguments.gpu;
   return {gpu_method(choice),
@@ -306,9 +306,10 @@ void add_render_command(CLI::App& app, int& exit_code) {
           ->check(CLI::IsMember({"segments", "smooth"}))
           ->capture_default_str();
   command
-      ->add_option("--subframes", arguments->subframes,
-                   "Parts of the exposure that the GPU modes draw one by one [8; gpu-still: 64]")
-      ->check(CLI::Range(1, 65536));
+      ->add_option(
+          "--subframes", arguments->subframes,
+          "Parts of the exposure that the GPU modes draw one by one; 0 chooses them from the motion [0]")
+      ->check(CLI::Range(0, 65536));
   command
       ->add_option(
           "--gpu", arguments->gpu,
