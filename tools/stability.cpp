@@ -19,11 +19,10 @@ namespace {
 
 using Part =
     std::pair<const char*, void (*)(std::size_t, std::uint64_t, std::vector<swept::stability::Row>&)>;
-constexpr Part parts[] = {{"integral", swept::stability::add_integral_rows},
-                          {"coordinates", swept::stability::add_coordinate_rows},
-                          {"tube", swept::stability::add_tube_rows},
-                          {"crossing", swept::stability::add_crossing_rows},
-                          {"filter", swept::stability::add_filter_rows}};
+constexpr Part parts[] = {
+    {"integral", swept::stability::add_integral_rows}, {"coordinates", swept::stability::add_coordinate_rows},
+    {"tube", swept::stability::add_tube_rows},         {"fragment", swept::stability::add_fragment_rows},
+    {"crossing", swept::stability::add_crossing_rows}, {"filter", swept::stability::add_filter_rows}};
 
 int run(const std::string& part, std::size_t points, std::uint64_t seed, const std::string& json_path) {
   using namespace swept::stability;
@@ -53,7 +52,7 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   std::string part, json_path;
   app.add_option("--part", part, "only this part of the table")
-      ->check(CLI::IsMember({"integral", "coordinates", "tube", "crossing", "filter"}));
+      ->check(CLI::IsMember({"integral", "coordinates", "tube", "fragment", "crossing", "filter"}));
   app.add_option("--points", points,
                  "points per row; 1000000 takes three minutes for the integral, half an hour for all")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}))

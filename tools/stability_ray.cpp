@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "splat/kernel_integral.h"
 #include "splat/ray_kernel.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/naive.h"
@@ -132,6 +133,57 @@ void add_tube_rows_of(const oracle::HardCase* hard, std::size_t points, std::uin
 }
 
 template <class T>
+double integral_of(const RayFragment<T>& f) {
+  const T duration = f.t_end - f.t_begin;
+  return interval_integral(f.peak, duration, f.y_begin, f.y_begin + f.rate * duration);
+}
+
+RayFragment<float> stored(const RayFragment<double>& f) {
+  return {static_cast<float>(f.t_begin), static_cast<float>(f.t_end), static_cast<float>(f.peak),
+          static_cast<float>(f.y_begin), static_cast<float>(f.rate),  static_cast<float>(f.z_begin),
+          static_cast<float>(f.z_rate)};
+}
+
+/// ∫ρ over a fragment, of exact coordinates: in double, and in float after rounding the fragment, as the
+/// A-buffer keeps it.
+void add_fragment_rows_of(const oracle::HardCase* hard, std::size_t points, std::uint64_t seed,
+                          std::vector<Row>& rows) {
+  Random random(seed);
+  Collector in_double, in_float, naive;
+  constexpr double delta = 3.0;
+  for (std::size_t i = 0; i < points; ++i) {
+    const RayCoordinates<double> ray = coordinates_of<double>(hard, random);
+    if (!std::isfinite(ray.u + ray.v + ray.z + ray.du + ray.dv + ray.dz)) continue;
+    const Exact exact = oracle::fragment_integral(ray, 0.0, 1.0, oracle::near_depth, delta, 1.0);
+    if (!oracle::normal<float>(exact)) continue;
+    const auto where = [&] {
+      return fmt::format("speed {:.1e}, w {:.1e}, ∫ρ {:.1e}", std::hypot(ray.du, ray.dv),
+                         std::hypot(ray.u, ray.v), exact.high);
+    };
+    RayFragment<double> f{};
+    const bool hit = intersect_tube<double>(ray, 0.0, 1.0, oracle::near_depth, delta, 1.0, f);
+    in_double.add(hit ? integral_of(f) : 0.0, exact, oracle::ulp<double>(exact.high), 0.0, where);
+    const RayFragment<float> g = stored(f);
+    in_float.add(hit && g.t_begin < g.t_end ? integral_of(g) : 0.0, exact, oracle::ulp<float>(exact.high),
+                 0.0, where);
+    RayFragment<double> n{};
+    double naive_integral = 0.0;
+    if (naive::intersect_tube<double>(ray, 0.0, 1.0, oracle::near_depth, delta, 1.0, n)) {
+      const double duration = n.t_end - n.t_begin;
+      naive_integral = n.peak * duration * naive::mean_gaussian(n.y_begin, n.y_begin + n.rate * duration);
+    }
+    naive.add(naive_integral, exact, oracle::ulp<double>(exact.high), 0.0, where);
+  }
+  const std::size_t taken = in_double.points();
+  if (taken == 0) return;
+  const std::string name = hard ? hard->name : "tangent, and at every speed";
+  rows.push_back({"∫ρ of a fragment", name, "double", case_range, "113 bits", "", taken, false,
+                  in_double.finish(), naive.finish()});
+  rows.push_back({"∫ρ of a fragment stored as float", name, "float", case_range, "113 bits", "", taken, false,
+                  in_float.finish(), std::nullopt});
+}
+
+template <class T>
 void add_crossing_rows_of(std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {
   constexpr double unit = unit_roundoff<T>;
   for (const double slope : {0.0, -4.0, -8.0}) {
@@ -190,6 +242,11 @@ void add_tube_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& row
     add_tube_rows_of<double>(&hard, points, seed, rows);
     add_tube_rows_of<float>(&hard, points, seed, rows);
   }
+}
+
+void add_fragment_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {
+  add_fragment_rows_of(nullptr, points, seed, rows);
+  for (const oracle::HardCase& hard : oracle::hard_cases()) add_fragment_rows_of(&hard, points, seed, rows);
 }
 
 void add_crossing_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {

@@ -15,6 +15,8 @@ void add_integral_rows(std::size_t points, std::uint64_t seed, std::vector<Row>&
 void add_coordinate_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
 /// Times, peak and depth of a fragment: intersect_tube.
 void add_tube_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+/// ∫ρ over a fragment, from its coordinates on: intersect_tube and interval_integral together.
+void add_fragment_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
 /// Where two linear depths cross.
 void add_crossing_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
 /// Weight and size of a filtered disc.

@@ -112,44 +112,73 @@ Ray along(const MovingKernel& kernel, double x, double y) {
           Fifty(abs(facing) / sqrt(dot(n, n) * dot(d, d))).convert_to<double>()};
 }
 
-Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
-                        double near, double delta, double weight) {
-  Fragment fragment;
+namespace {
+
+struct Fragment50 {
+  Fifty begin, end, peak, y_begin, rate, across;
+};
+
+/// False where there is none; `across` is set all the same.
+bool intersect(const RayCoordinates<double>& ray, double segment_begin, double segment_end, double near,
+               double delta, double weight, Fragment50& f) {
   const Fifty u = ray.u, v = ray.v, z = ray.z, du = ray.du, dv = ray.dv, dz = ray.dz;
   const Fifty t_mid = (Fifty(segment_begin) + Fifty(segment_end)) / 2;
-  Fifty begin = segment_begin, end = segment_end;
+  f.begin = segment_begin;
+  f.end = segment_end;
   const Fifty speed = sqrt(du * du + dv * dv);
   Fifty squared = u * u + v * v, along_line = 0;
   if (speed > 0) {
     along_line = (u * du + v * dv) / speed;
-    const Fifty across = (u * dv - v * du) / speed;
-    squared = across * across;
-    fragment.across = Fifty(abs(across)).convert_to<double>();
-    if (squared > 1) return fragment;
+    f.across = abs(u * dv - v * du) / speed;
+    squared = f.across * f.across;
+    if (squared > 1) return false;
     const Fifty half = sqrt(1 - squared);
-    begin = (std::max)(begin, Fifty(t_mid + (-half - along_line) / speed));
-    end = (std::min)(end, Fifty(t_mid + (half - along_line) / speed));
+    f.begin = (std::max)(f.begin, Fifty(t_mid + (-half - along_line) / speed));
+    f.end = (std::min)(f.end, Fifty(t_mid + (half - along_line) / speed));
   } else {
-    fragment.across = Fifty(sqrt(squared)).convert_to<double>();
-    if (squared > 1) return fragment;
+    f.across = sqrt(squared);
+    if (squared > 1) return false;
   }
   if (dz > 0)
-    begin = (std::max)(begin, Fifty(t_mid + (near - z) / dz));
+    f.begin = (std::max)(f.begin, Fifty(t_mid + (near - z) / dz));
   else if (dz < 0)
-    end = (std::min)(end, Fifty(t_mid + (near - z) / dz));
+    f.end = (std::min)(f.end, Fifty(t_mid + (near - z) / dz));
   else if (z < near)
-    return fragment;
-  if (!(begin < end)) return fragment;
-  fragment.hit = true;
-  fragment.t_begin = round_off(begin);
-  fragment.t_end = round_off(end);
-  fragment.peak = round_off(Fifty(weight * exp(-delta * squared)));
-  fragment.rate = round_off(Fifty(sqrt(Fifty(delta)) * speed));
-  fragment.y_begin =
-      round_off(Fifty(sqrt(Fifty(delta)) * (speed > 0 ? along_line + speed * (begin - t_mid) : Fifty(0))));
-  fragment.z_begin = round_off(Fifty(z + dz * (begin - t_mid)));
-  fragment.z_rate = round_off(dz);
+    return false;
+  if (!(f.begin < f.end)) return false;
+  f.peak = weight * exp(-delta * squared);
+  f.rate = sqrt(Fifty(delta)) * speed;
+  f.y_begin = speed > 0 ? Fifty(sqrt(Fifty(delta)) * (along_line + speed * (f.begin - t_mid))) : Fifty(0);
+  return true;
+}
+
+}  // namespace
+
+Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                        double near, double delta, double weight) {
+  Fragment50 f;
+  Fragment fragment;
+  fragment.hit = intersect(ray, segment_begin, segment_end, near, delta, weight, f);
+  fragment.across = f.across.convert_to<double>();
+  if (!fragment.hit) return fragment;
+  const Fifty t_mid = (Fifty(segment_begin) + Fifty(segment_end)) / 2;
+  fragment.t_begin = round_off(f.begin);
+  fragment.t_end = round_off(f.end);
+  fragment.peak = round_off(f.peak);
+  fragment.rate = round_off(f.rate);
+  fragment.y_begin = round_off(f.y_begin);
+  fragment.z_begin = round_off(Fifty(ray.z + Fifty(ray.dz) * (f.begin - t_mid)));
+  fragment.z_rate = {ray.dz, 0.0};
   return fragment;
+}
+
+Exact fragment_integral(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                        double near, double delta, double weight) {
+  Fragment50 f;
+  if (!intersect(ray, segment_begin, segment_end, near, delta, weight, f)) return {};
+  const Fifty duration = f.end - f.begin;
+  const Quad mean = closed_mean<Quad>(Quad(f.y_begin), Quad(Fifty(f.y_begin + f.rate * duration)));
+  return round_off(Fifty(f.peak * duration * Fifty(mean)));
 }
 
 State state_at(const RayCoordinates<double>& ray, double t_mid, double t) {

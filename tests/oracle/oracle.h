@@ -44,6 +44,10 @@ struct Fragment {
 [[nodiscard]] Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin,
                                       double segment_end, double near, double delta, double weight);
 
+/// ∫ρ dτ over that fragment; 0 where there is none. 113 bits.
+[[nodiscard]] Exact fragment_integral(const RayCoordinates<double>& ray, double segment_begin,
+                                      double segment_end, double near, double delta, double weight);
+
 /// The line's state at time t, exactly.
 struct State {
   double radius_minus_one;  ///< √(u² + v²) − 1
