@@ -82,6 +82,8 @@ void describe(const Scene& scene, const GpuRenderOptions& options, const Subfram
     statistics.effect("motion blur: six passes for each of " + n + " sub-frames");
     statistics.effect("visibility: approximate, from the depths at both ends of each sub-frame");
   }
+  if (options.clamp_motion && options.method == GpuMethod::six_pass)
+    statistics.effect("motion: bent out of the discs' planes, as the paper's matrix needs it");
   if (scene.model.coverage == Coverage::soft)
     statistics.effect("soft coverage: approximate, an edge shows the background even over another surface");
   statistics.effect(options.lookup_tables ? "exp and erf: lookup tables" : "exp and erf: computed");

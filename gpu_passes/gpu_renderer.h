@@ -59,6 +59,7 @@ struct GpuRenderOptions {
   /// moves more than 8 px in a sub-frame, or 1 px between still frames; 256 at most.
   int subframes = 1;
   bool lookup_tables = false;  ///< exp and erf from textures, as in the paper, instead of computed
+  bool clamp_motion = false;  ///< six passes: bend the motion as the paper's matrix needs it (clamp_motion.h)
 
   [[nodiscard]] Status validate() const;
 };

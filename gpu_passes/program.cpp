@@ -1,7 +1,8 @@
 #include "gpu_passes/program.h"
 
 #include <algorithm>
-#include <regex>
+#include <charconv>
+#include <optional>
 
 #include "gpu_passes/shaders.h"
 
@@ -41,6 +42,45 @@ Status append_expanded(std::string_view name, std::string_view source, ShaderTex
   return Done{};
 }
 
+/// A line of a driver's log, taken apart at its place.
+struct LogPlace {
+  std::string_view before, after;
+  std::size_t file = 0, line = 0;
+};
+
+/// Removes `prefix` from the front of `text` if it is there.
+bool skip(std::string_view& text, std::string_view prefix) {
+  if (!text.starts_with(prefix)) return false;
+  text.remove_prefix(prefix.size());
+  return true;
+}
+
+bool skip_number(std::string_view& text, std::size_t& number) {
+  const auto [rest, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (code != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+  return true;
+}
+
+/// "0:12(5):", "0(12) :" or "0:12:", after "ERROR: " or "WARNING: " or nothing.
+std::optional<LogPlace> find_place(std::string_view text) {
+  const std::string_view whole = text;
+  LogPlace place;
+  if (!skip(text, "ERROR: ")) skip(text, "WARNING: ");
+  place.before = whole.substr(0, whole.size() - text.size());
+  if (!skip_number(text, place.file)) return std::nullopt;
+  const bool in_brackets = skip(text, "(");
+  if (!in_brackets && !skip(text, ":")) return std::nullopt;
+  if (!skip_number(text, place.line)) return std::nullopt;
+  std::size_t column = 0;
+  if (in_brackets ? !skip(text, ")") : skip(text, "(") && !(skip_number(text, column) && skip(text, ")")))
+    return std::nullopt;
+  skip(text, " ");
+  if (!skip(text, ":")) return std::nullopt;
+  place.after = text;
+  return place;
+}
+
 template <class GetParameter, class GetLog>
 std::string log_of(GLuint name, GetParameter get_parameter, GetLog get_log) {
   GLint length = 0;
@@ -61,19 +101,19 @@ Result<ShaderText> expand_includes(std::string_view name, std::string_view sourc
 }
 
 std::string name_files(std::string_view log, const std::vector<std::string>& files) {
-  static const std::regex place(R"(^((?:ERROR: |WARNING: )?)(\d{1,4})[:(](\d+)(?:\(\d+\)|\))? ?:)");
   std::string out;
   while (!log.empty()) {
     const std::size_t end = std::min(log.find('\n'), log.size() - 1);
-    std::string line(log.substr(0, end + 1));
+    const std::string_view line = log.substr(0, end + 1);
     log.remove_prefix(end + 1);
-    std::smatch match;
-    if (std::regex_search(line, match, place)) {
-      const std::size_t file = std::stoul(match[2].str());
-      if (file < files.size())
-        line = match[1].str() + files[file] + ":" + match[3].str() + ":" + match.suffix().str();
+    const std::optional<LogPlace> place = find_place(line);
+    if (place && place->file < files.size()) {
+      out += place->before;
+      out += files[place->file] + ":" + std::to_string(place->line) + ":";
+      out += place->after;
+    } else {
+      out += line;
     }
-    out += line;
   }
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gpu_passes/clamp_motion.h"
 #include "splat/screen_bounds.h"
 
 namespace swept {
@@ -31,6 +32,7 @@ Subframes::Subframes(const Scene& scene, const GpuRenderOptions& options)
     : part_(scene),
       shutter_(scene.shutter),
       still_frames_(options.method == GpuMethod::still),
+      clamp_motion_(options.clamp_motion && !still_frames_),
       nothing_moves_(nothing_moves(scene)),
       count_(nothing_moves_ ? 1 : options.subframes) {
   part_.model.segments = 1;
@@ -67,7 +69,10 @@ KernelSet Subframes::kernels(int j) {
   const double n = count_;
   part_.shutter = {j == 0 ? shutter_.open : at(j / n), j + 1 == count_ ? shutter_.close : at((j + 1) / n)};
   if (still_frames_) part_.shutter.open = part_.shutter.close = at((j + 0.5) / n);
-  return build_kernels(part_);
+  KernelSet set = build_kernels(part_);
+  if (clamp_motion_)
+    for (MovingKernel& kernel : set.kernels) kernel.velocity = clamped_motion(kernel);
+  return set;
 }
 
 }  // namespace swept

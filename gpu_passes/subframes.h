@@ -24,7 +24,7 @@ class Subframes {
 
   Scene part_;
   Shutter shutter_;
-  bool still_frames_, nothing_moves_;
+  bool still_frames_, clamp_motion_, nothing_moves_;
   int count_;
 };
 

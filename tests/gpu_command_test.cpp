@@ -92,8 +92,8 @@ TEST_F(GpuCommand, WritesTheImageAndStatisticsOfTheLibrary) {
 TEST_F(GpuCommand, RefusesOptionsOfOtherMethods) {
   for (const char* options :
        {"--method abuffer --subframes 2", "--gpu 0", "--method reference --lookup-tables",
-        "--method gpu-still --lookup-tables", "--method gpu --samples 4", "--method gpu --subframes -1",
-        "--method gpu --subframes 65537"}) {
+        "--method gpu-still --lookup-tables", "--method gpu-still --clamp-motion", "--method gpu --samples 4",
+        "--method gpu --subframes -1", "--method gpu --subframes 65537"}) {
     EXPECT_EQ(swept(std::string("render scene.json -o out.exr ") + options).exit_code, 2) << options;
     EXPECT_FALSE(exists("out.exr")) << options;
   }

@@ -15,6 +15,7 @@
 #include "abuffer/abuffer.h"
 #include "datasets/generators.h"
 #include "gpu_compare.h"
+#include "gpu_passes/clamp_motion.h"
 #include "gpu_passes/context.h"
 #include "gpu_passes/pass_runner.h"
 #include "gpu_passes/six_pass_twin.h"
@@ -171,6 +172,42 @@ TEST_F(GpuImage, StillFramesAverageToTheExactImage) {
   // The midpoint rule errs by 1/n where a pixel jumps: 18 dB for 8 times as many. The A-buffer's segments are
   // not the true path, which still frames follow; a quarter is for that.
   EXPECT_GT(many, few + 13.5);
+}
+
+TEST(ClampMotion, BendsWhatLiesInThePlaneAndNothingElse) {
+  MovingKernel kernel = disc(16.5, 16.5, 100.0, 2.0, 10.0, {1.0f, 0.0f, 0.0f});
+  const Eigen::Vector3d bent = clamped_motion(kernel);
+  EXPECT_NEAR(bent.x(), 10.0, 1e-12);
+  EXPECT_NEAR(std::abs(bent.z()), 10.0 * least_motion_tangent, 1e-12);
+  // Slow: the least length, and still the least angle.
+  kernel.velocity = {0.03, 0.0, 0.0};
+  EXPECT_NEAR(clamped_motion(kernel).norm(), 2.0 * least_motion_radii, 1e-7);
+  kernel.velocity.setZero();
+  EXPECT_NEAR(clamped_motion(kernel).norm(), 2.0 * least_motion_radii, 1e-7);
+  for (const Eigen::Vector3d& steep : {Eigen::Vector3d(3.0, 0.0, -2.0), Eigen::Vector3d(0.0, 0.0, 0.5)}) {
+    kernel.velocity = steep;
+    EXPECT_EQ(clamped_motion(kernel), steep);
+  }
+}
+
+TEST_F(GpuImage, TheClampedMotionIsAnError) {
+  // A ball that turns moves each of its discs within the disc's plane.
+  Scene scene = spheres();
+  scene.objects.pop_back();
+  TransformKey key;
+  scene.objects[0].transform.keys.push_back(key);
+  key.frame = 1.0;
+  key.rotate_radians = 0.6;
+  scene.objects[0].transform.keys.push_back(key);
+  const GpuRenderOptions clamped{GpuMethod::six_pass, 2, false, true};
+  const Result<Rendered> twin = render_six_pass_twin(scene, clamped);
+  ASSERT_TRUE(twin);
+  const Image bent = render(scene, clamped), straight = render(scene, six(2));
+  EXPECT_TRUE(equal_within(bent.rgba, twin->image.rgba, 4, {float_tolerance(scene, clamped), flips}));
+  const Image exact = render_cpu(scene);
+  RecordProperty("clamped_db", std::to_string(psnr(bent, exact)));
+  RecordProperty("straight_db", std::to_string(psnr(straight, exact)));
+  EXPECT_LT(psnr(bent, exact), psnr(straight, exact));
 }
 
 TEST(Subframes, AreChosenFromTheMotion) {

@@ -11,7 +11,7 @@ namespace swept {
 std::function<Result<Rendered>(const Scene&)> gpu_method(const GpuChoice& choice) {
   const GpuOptions device{choice.device};
   const GpuRenderOptions options{choice.still_frames ? GpuMethod::still : GpuMethod::six_pass,
-                                 choice.subframes, choice.lookup_tables};
+                                 choice.subframes, choice.lookup_tables, choice.clamp_motion};
   const auto renderer = std::make_shared<std::optional<GpuRenderer>>();
   return [=](const Scene& scene) -> Result<Rendered> {
     if (!*renderer) {

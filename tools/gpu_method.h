@@ -15,6 +15,7 @@ struct GpuChoice {
   bool still_frames = false;   ///< temporal supersampling, else six passes
   int subframes = 0;           ///< [0, 65536]; 0: chosen from the motion
   bool lookup_tables = false;  ///< six passes: exp and erf from textures
+  bool clamp_motion = false;   ///< six passes: the paper's bent motion
   std::string device;          ///< an id of list_gpus(); empty: SWEPT_GPU, or the first that works
 };
 

@@ -41,7 +41,8 @@ struct RenderArguments {
   std::vector<int> frames;  ///< empty: the scene's own
   std::optional<int> samples, subframes;
   std::string gpu;
-  bool lookup_tables = false, motion_given = false, overwrite = false, skip_existing = false, dry_run = false;
+  bool lookup_tables = false, clamp_motion = false, motion_given = false, overwrite = false,
+       skip_existing = false, dry_run = false;
   int threads = 0;
   std::shared_ptr<const SceneOverrides> overrides;
 };
@@ -65,6 +66,7 @@ void check_method_options(const RenderArguments& arguments) {
   check("--subframes", arguments.subframes.has_value(), "gpu or gpu-still", gpu);
   check("--gpu", !arguments.gpu.empty(), "gpu or gpu-still", gpu);
   check("--lookup-tables", arguments.lookup_tables, "gpu", six_pass);
+  check("--clamp-motion", arguments.clamp_motion, "gpu", six_pass);
 }
 
 Method choose_gpu_method(const RenderArguments& arguments) {
@@ -72,10 +74,14 @@ Method choose_gpu_method(const RenderArguments& arguments) {
   choice.still_frames = arguments.method == "gpu-still";
   choice.subframes = arguments.subframes.value_or(0);
   choice.lookup_tables = arguments.lookup_tables;
+  choice.clamp_motion = arguments.clamp_motion;
   choice.device = arguments.gpu;
   return {gpu_method(choice),
-          {{"subframes", choice.subframes}, {"lookup_tables", choice.lookup_tables ? 1 : 0}},
-          fmt::format("{} {}{}", arguments.method, choice.subframes, choice.lookup_tables ? " tables" : "")};
+          {{"subframes", choice.subframes},
+           {"lookup_tables", choice.lookup_tables ? 1 : 0},
+           {"clamp_motion", choice.clamp_motion ? 1 : 0}},
+          fmt::format("{} {}{}{}", arguments.method, choice.subframes, choice.lookup_tables ? " tables" : "",
+                      choice.clamp_motion ? " clamped" : "")};
 }
 
 Method choose_method(const RenderArguments& arguments) {
@@ -318,6 +324,8 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->type_name("DEVICE");
   command->add_flag("--lookup-tables", arguments->lookup_tables,
                     "Six passes: take exp and erf from tables instead of computing them");
+  command->add_flag("--clamp-motion", arguments->clamp_motion,
+                    "Six passes: bend motion out of the discs' planes, as a matrix inverse would need it");
   command->add_option("--threads", arguments->threads, "Threads; 0 takes all, and none changes a bit")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
