@@ -199,7 +199,7 @@ TEST(KernelIntegral, PartsSumToTheWhole) {
   std::mt19937_64 random(6);
   std::uniform_int_distribution<int> grid(-8 * 65536, 8 * 65536);
   for (int i = 0; i < 20000; ++i) {
-    double t[3];
+    double t[3] = {};
     for (double& time : t) time = grid(random) / 65536.0;
     std::sort(t, t + 3);
     const auto part = [](double a, double b) { return interval_integral(0.75, b - a, a, b); };

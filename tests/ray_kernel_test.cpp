@@ -21,7 +21,6 @@ namespace swept {
 namespace {
 
 using Eigen::Vector3d;
-using oracle::magnitude;
 using oracle::Random;
 using oracle::uniform;
 

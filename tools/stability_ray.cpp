@@ -33,8 +33,9 @@ void add_coordinate_rows_of(const oracle::HardCase& hard, std::size_t points, st
   Collector uv, naive_uv, z, naive_z;
   std::map<std::string, std::size_t> branches;
   for (std::size_t i = 0; i < points; ++i) {
-    const auto [kernel, exact_x, exact_y] = hard.make(random);
-    const T x = static_cast<T>(exact_x), y = static_cast<T>(exact_y);
+    const oracle::KernelAndRay input = hard.make(random);
+    const MovingKernel& kernel = input.kernel;
+    const T x = static_cast<T>(input.x), y = static_cast<T>(input.y);
     const oracle::Ray exact = oracle::along(kernel, x, y);
     if (!(exact.facing_ratio > 0.0)) continue;
     const oracle::CoordinateBounds bounds = oracle::coordinate_bounds(kernel, x, y, unit_roundoff<T>);
