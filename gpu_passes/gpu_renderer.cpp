@@ -85,7 +85,9 @@ void describe(const Scene& scene, const GpuRenderOptions& options, const Subfram
   if (options.clamp_motion && options.method == GpuMethod::six_pass)
     statistics.effect("motion: bent out of the discs' planes, as the paper's matrix needs it");
   if (scene.model.coverage == Coverage::soft)
-    statistics.effect("soft coverage: approximate, an edge shows the background even over another surface");
+    statistics.effect(
+        "soft coverage: approximate, from mean kernel sums; what lies behind an edge is mixed into one "
+        "surface");
   statistics.effect(options.lookup_tables ? "exp and erf: lookup tables" : "exp and erf: computed");
 }
 

@@ -15,8 +15,9 @@
 //
 // Soft coverage (model section 1.4) is a function of an instant, min(1, Σρ/ρ_edge), and the passes know sums
 // over time alone. With T = latest − earliest, alpha = T · min(1, (ΣI/T) / ρ_edge): the coverage of the mean
-// kernel sum. It is exact where nothing moves. What a soft edge leaves uncovered shows the background, even
-// if another surface lies behind it: the passes keep one surface per pixel.
+// kernel sum. It is exact where nothing moves. What a soft edge leaves of T shows the hidden kernels, all of
+// them mixed into one surface with a coverage of the same form, and then the background: exact where nothing
+// moves and one surface lies behind. Hard coverage leaves nothing of T, and is the paper's.
 #pragma once
 
 #include <cstddef>

@@ -9,9 +9,9 @@ namespace swept {
 namespace {
 
 /// Texture units by sampler; the same for all programs.
-constexpr std::array<const char*, 7> samplers{"limit_open", "limit_close", "earliest",      "latest",
-                                              "color_sum",  "depth_sum",   "gaussian_table"};
-constexpr int table_unit = 6;
+constexpr std::array<const char*, 8> samplers{"limit_open", "limit_close", "earliest",  "latest",
+                                              "color_sum",  "behind_sum",  "depth_sum", "gaussian_table"};
+constexpr int table_unit = 7;
 
 int unit_of(std::string_view sampler) {
   return static_cast<int>(std::find(samplers.begin(), samplers.end(), sampler) - samplers.begin());

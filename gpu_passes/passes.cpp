@@ -22,6 +22,7 @@ Pass normalization(const char* name) {
           {{"earliest", Target::earliest},
            {"latest", Target::latest},
            {"color_sum", Target::color_sum},
+           {"behind_sum", Target::behind_sum},
            {"depth_sum", Target::depth_sum}}};
 }
 
@@ -29,7 +30,7 @@ Pass blending(const char* name, PassInput close) {
   return {name,
           ProgramId::blend,
           Geometry::tube,
-          {Target::color_sum, Target::depth_sum},
+          {Target::color_sum, Target::behind_sum, Target::depth_sum},
           Blend::add,
           false,
           true,
@@ -132,8 +133,10 @@ GLenum internal_format(Target target) {
 int channels(Target target) {
   switch (target) {
     case Target::color_sum:
+    case Target::behind_sum:
     case Target::frame_color:
       return 4;
+    case Target::depth_sum:
     case Target::frame_depth:
       return 2;
     default:

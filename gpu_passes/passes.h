@@ -16,11 +16,12 @@ enum class Target {
   earliest,     ///< share of the sub-frame; above `latest` where nothing covers the pixel
   latest,
   color_sum,    ///< Σ I w, Σ I
-  depth_sum,    ///< Σ I z
+  behind_sum,   ///< the same of hidden kernels; 0 for hard coverage
+  depth_sum,    ///< Σ I z, and of hidden kernels
   frame_color,  ///< of all sub-frames: linear, premultiplied RGBA
   frame_depth,  ///< Σ alpha z, Σ alpha
 };
-inline constexpr int target_count = 8;
+inline constexpr int target_count = 9;
 [[nodiscard]] GLenum internal_format(Target target);
 [[nodiscard]] int channels(Target target);
 

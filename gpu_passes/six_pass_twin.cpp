@@ -81,7 +81,9 @@ TwinTargets twin_passes(const KernelSet& set, const Scene& scene, GpuMethod meth
   targets.earliest.assign(view.pixels(), still ? 0.0 : 2.0);
   targets.latest.assign(view.pixels(), still ? 1.0 : -1.0);
   targets.color_sum.assign(4 * view.pixels(), 0.0);
-  targets.depth_sum.assign(view.pixels(), 0.0);
+  targets.behind_sum.assign(4 * view.pixels(), 0.0);
+  targets.depth_sum.assign(2 * view.pixels(), 0.0);
+  const bool hard = scene.model.coverage == Coverage::hard;
   for (const MovingKernel& kernel : set.kernels) {
     const KernelPlane<double> plane(kernel);
     view.for_each_pixel(kernel, [&](std::size_t pixel, double ray_x, double ray_y) {
@@ -92,18 +94,19 @@ TwinTargets twin_passes(const KernelSet& set, const Scene& scene, GpuMethod meth
         return;
       const double duration = f.t_end - f.t_begin;
       const double z_end = f.z_begin + f.z_rate * duration, z_min = std::min(f.z_begin, z_end);
-      if (z_min > targets.limit_open[pixel] && z_min > targets.limit_close[pixel]) return;
+      const bool visible = z_min <= targets.limit_open[pixel] || z_min <= targets.limit_close[pixel];
+      if (!visible && hard) return;
       // Passes 3 and 4.
-      if (!still) {
+      if (visible && !still) {
         targets.earliest[pixel] = std::min(targets.earliest[pixel], f.t_begin);
         targets.latest[pixel] = std::max(targets.latest[pixel], f.t_end);
       }
       // Pass 5.
       const double integral = f.peak * duration * mean_gaussian(f.y_begin, f.y_begin + f.rate * duration);
-      for (int c = 0; c < 3; ++c)
-        targets.color_sum[4 * pixel + c] += integral * static_cast<double>(kernel.color[c]);
-      targets.color_sum[4 * pixel + 3] += integral;
-      targets.depth_sum[pixel] += integral * 0.5 * (f.z_begin + z_end);
+      double* sum = (visible ? targets.color_sum : targets.behind_sum).data() + 4 * pixel;
+      for (int c = 0; c < 3; ++c) sum[c] += integral * static_cast<double>(kernel.color[c]);
+      sum[3] += integral;
+      targets.depth_sum[2 * pixel + (visible ? 0 : 1)] += integral * 0.5 * (f.z_begin + z_end);
     });
   }
   return targets;
@@ -129,13 +132,16 @@ class TwinFrame {
   void add(const TwinTargets& targets, double share) {
     for (std::size_t p = 0; p < image_.pixel_count(); ++p) {
       const double covered = targets.latest[p] - targets.earliest[p], sum = targets.color_sum[4 * p + 3];
+      const double edge = scene_.model.edge_weight;
       double alpha = 0.0;
       if (sum > 0.0 && covered > 0.0) {
-        const bool hard = scene_.model.coverage == Coverage::hard;
-        alpha = hard ? covered : std::min(covered, sum / scene_.model.edge_weight);
-        for (int c = 0; c < 4; ++c) color_[4 * p + c] += share * alpha * targets.color_sum[4 * p + c] / sum;
-        depth_[p] += share * alpha * targets.depth_sum[p] / sum;
-        alpha_[p] += share * alpha;
+        alpha = scene_.model.coverage == Coverage::hard ? covered : std::min(covered, sum / edge);
+        add_surface(p, &targets.color_sum[4 * p], targets.depth_sum[2 * p], share * alpha);
+        if (const double behind = targets.behind_sum[4 * p + 3]; behind > 0.0) {
+          const double alpha_behind = (covered - alpha) * std::min(1.0, behind / (covered * edge));
+          add_surface(p, &targets.behind_sum[4 * p], targets.depth_sum[2 * p + 1], share * alpha_behind);
+          alpha += alpha_behind;
+        }
       }
       for (int c = 0; c < 4; ++c)
         color_[4 * p + c] += share * (1.0 - alpha) * static_cast<double>(scene_.background[c]);
@@ -150,6 +156,13 @@ class TwinFrame {
   }
 
  private:
+  /// `sum`: Σ I w and Σ I.
+  void add_surface(std::size_t p, const double* sum, double depth_sum, double alpha) {
+    for (int c = 0; c < 4; ++c) color_[4 * p + c] += alpha * sum[c] / sum[3];
+    depth_[p] += alpha * depth_sum / sum[3];
+    alpha_[p] += alpha;
+  }
+
   const Scene& scene_;
   Image image_;
   std::vector<double> color_, depth_, alpha_;

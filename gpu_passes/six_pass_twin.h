@@ -16,8 +16,11 @@ struct TwinTargets {
   std::vector<double> limit_open, limit_close;
   /// Shares of the sub-frame; 2 and −1 where nothing visible covers the pixel.
   std::vector<double> earliest, latest;
-  std::vector<double> color_sum;  ///< 4 per pixel: Σ I w, Σ I
-  std::vector<double> depth_sum;  ///< Σ I z, z being the depth at the middle of the kernel's interval
+  std::vector<double> color_sum;   ///< 4 per pixel: Σ I w, Σ I
+  std::vector<double> behind_sum;  ///< the same of hidden kernels; 0 for hard coverage
+  /// 2 per pixel: Σ I z of visible and of hidden kernels, z being the depth at the middle of the kernel's
+  /// interval.
+  std::vector<double> depth_sum;
 };
 
 /// Passes 1 to 5 over given kernels, all of one segment. Film and image model are the scene's.

@@ -118,10 +118,13 @@ TEST_F(GpuImage, AStillSceneEqualsTheCpuInTheInterior) {
   scene.background.setZero();  // so that alpha is coverage
   scene.shutter.close = scene.shutter.open;
   const Image cpu = render_cpu(scene);
+  const TwinTargets targets = twin_passes(Subframes(scene, six(1)).kernels(0), scene, GpuMethod::six_pass);
+  // Where the front surface covers the pixel, nothing behind it counts, and both models are the same.
+  const auto interior = [&](std::size_t p) {
+    return targets.color_sum[4 * p + 3] > scene.model.edge_weight * (1.0 + 1e-5);
+  };
   for (const GpuRenderOptions& options : {six(1), six(4), still(1), still(4)}) {
     const Image gpu = render(scene, options);
-    // Where the front surface covers the pixel, nothing behind it counts, and both models are the same.
-    const auto interior = [&](std::size_t p) { return gpu.rgba[4 * p + 3] == 1.0f; };
     EXPECT_TRUE(equal_within(gpu.rgba, cpu.rgba, 4, {1e-5, flips}, interior));
     EXPECT_TRUE(equal_within(gpu.depth, cpu.depth, 1, {1e-5 * 6.0, flips}, interior));
     std::size_t count = 0;
@@ -165,7 +168,7 @@ TEST_F(GpuImage, MoreSubframesComeNearerToTheExactImage) {
 
 TEST_F(GpuImage, StillFramesAverageToTheExactImage) {
   Scene scene = spheres();
-  // A soft edge over another surface stays wrong however many there are.
+  // A soft edge over several surfaces stays wrong however many there are.
   scene.model.coverage = Coverage::hard;
   const Image exact = render_cpu(scene);
   const double few = psnr(render(scene, still(4)), exact), many = psnr(render(scene, still(32)), exact);
@@ -190,7 +193,7 @@ TEST(ClampMotion, BendsWhatLiesInThePlaneAndNothingElse) {
   }
 }
 
-TEST_F(GpuImage, TheClampedMotionIsAnError) {
+TEST_F(GpuImage, TheClampedMotionChangesThePicture) {
   // A ball that turns moves each of its discs within the disc's plane.
   Scene scene = spheres();
   scene.objects.pop_back();
@@ -204,10 +207,13 @@ TEST_F(GpuImage, TheClampedMotionIsAnError) {
   ASSERT_TRUE(twin);
   const Image bent = render(scene, clamped), straight = render(scene, six(2));
   EXPECT_TRUE(equal_within(bent.rgba, twin->image.rgba, 4, {float_tolerance(scene, clamped), flips}));
-  const Image exact = render_cpu(scene);
-  RecordProperty("clamped_db", std::to_string(psnr(bent, exact)));
-  RecordProperty("straight_db", std::to_string(psnr(straight, exact)));
-  EXPECT_LT(psnr(bent, exact), psnr(straight, exact));
+  // What it does to the picture, apart from what the six passes and single precision do: 40 dB above the
+  // latter.
+  const Result<Rendered> plain = render_six_pass_twin(scene, six(2));
+  ASSERT_TRUE(plain);
+  RecordProperty("clamped_db", std::to_string(psnr(bent, plain->image)));
+  RecordProperty("straight_db", std::to_string(psnr(straight, plain->image)));
+  EXPECT_LT(psnr(bent, plain->image) + 40.0, psnr(straight, plain->image));
 }
 
 TEST(Subframes, AreChosenFromTheMotion) {

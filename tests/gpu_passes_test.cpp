@@ -213,6 +213,29 @@ TEST_F(GpuPasses, SoftCoverageIsThatOfTheMeanKernelSum) {
   EXPECT_NEAR(at(Target::frame_color, 17, 16, 3), 0.4 * std::exp(-0.75), rounding);
 }
 
+TEST_F(GpuPasses, ASoftEdgeShowsWhatIsHiddenBehindItAndThenTheBackground) {
+  KernelSet set = stage_kernels();
+  set.kernels = {disc(16.5, 16.5, 100.0, 2.0, 0.0, red), disc(16.5, 16.5, 110.0, 2.0, 0.0, green)};
+  set.kernels[0].weight = 0.2f;
+  set.kernels[1].weight = 0.3f;
+  Scene scene = stage_scene();
+  scene.background = {0.0f, 0.0f, 1.0f, 1.0f};
+  scene.model.coverage = Coverage::soft;
+  scene.model.edge_weight = 0.5;
+  draw(set, scene);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 0), 0.4, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 1), 0.6 * 0.6, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 2), 0.6 * 0.4, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 3), 1.0, rounding);
+  EXPECT_NEAR(at(Target::frame_depth, 16, 16, 0), 0.4 * 100.0 + 0.36 * 110.0, 100.0 * rounding);
+
+  // Nothing of it through a surface that covers the pixel.
+  set.kernels[0].weight = 0.5f;
+  draw(set, scene);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 0), 1.0, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 16, 16, 1), 0.0, rounding);
+}
+
 TEST_F(GpuPasses, WhatComesNearerThanTheNearPlaneIsCutInTime) {
   KernelSet set = stage_kernels();
   set.kernels = {disc(16.5, 16.5, 6.0, 12.0, 0.0, red)};
@@ -273,6 +296,7 @@ TEST_F(GpuPasses, EveryTargetEqualsThatOfThePlainTwin) {
     const KernelSet set = random_kernels(7, 300, motion);
     Scene scene = stage_scene();
     scene.camera.near = set.near;
+    scene.model.coverage = Coverage::soft;
     draw(set, scene);
     EXPECT_GT(runner().batches(), 1u);
     TwinTargets twin = twin_passes(set, scene, GpuMethod::six_pass);
@@ -290,7 +314,8 @@ TEST_F(GpuPasses, EveryTargetEqualsThatOfThePlainTwin) {
     EXPECT_TRUE(equal_within(runner().read(Target::earliest), twin.earliest, 1, {20.0 * e, 0.01}));
     EXPECT_TRUE(equal_within(runner().read(Target::latest), twin.latest, 1, {20.0 * e, 0.01}));
     EXPECT_TRUE(equal_within(runner().read(Target::color_sum), twin.color_sum, 4, {6.0 * e, 0.01}));
-    EXPECT_TRUE(equal_within(runner().read(Target::depth_sum), twin.depth_sum, 1, {60.0 * 6.0 * e, 0.01}));
+    EXPECT_TRUE(equal_within(runner().read(Target::behind_sum), twin.behind_sum, 4, {6.0 * e, 0.01}));
+    EXPECT_TRUE(equal_within(runner().read(Target::depth_sum), twin.depth_sum, 2, {60.0 * 6.0 * e, 0.01}));
   }
 }
 
