@@ -36,6 +36,9 @@ void append(FragmentArrays& out, std::uint32_t pixel, std::uint32_t kernel, cons
   const float t_begin = static_cast<float>(f.t_begin), t_end = static_cast<float>(f.t_end);
   const float peak = static_cast<float>(f.peak);
   if (!(t_begin < t_end) || !(peak > 0.0f)) return;
+  // Beyond what floats can add up. Nothing meant is that far away or that fast.
+  constexpr double largest = 1e30;
+  if (!(std::max({std::abs(f.z_begin), std::abs(f.z_rate), std::abs(f.y_begin), f.rate}) <= largest)) return;
   const std::size_t i = out.count++;
   out.pixel[i] = pixel;
   out.kernel[i] = kernel;

@@ -44,8 +44,12 @@ void sort_by_content(std::vector<MovingKernel>& kernels) {
     low = low.cwiseMin(k.center);
     high = high.cwiseMax(k.center);
   }
-  Eigen::Vector3d scale;
-  for (int i = 0; i < 3; ++i) scale[i] = high[i] > low[i] ? double(0x1fffff) / (high[i] - low[i]) : 0.0;
+  // Of 2²¹ along each axis. Halves, and a quotient of differences: neither overflows.
+  const auto cell = [&](const MovingKernel& k, int axis) {
+    const double range = 0.5 * high[axis] - 0.5 * low[axis];
+    const double place = range > 0.0 ? (0.5 * k.center[axis] - 0.5 * low[axis]) / range : 0.0;
+    return static_cast<std::uint64_t>(place * 0x1fffff);
+  };
 
   struct Entry {
     std::uint64_t key;
@@ -53,11 +57,9 @@ void sort_by_content(std::vector<MovingKernel>& kernels) {
   };
   std::vector<Entry> order(kernels.size());
   for (std::size_t i = 0; i < kernels.size(); ++i) {
-    const Eigen::Vector3d cell = (kernels[i].center - low).cwiseProduct(scale);
-    order[i] = {every_third_bit(static_cast<std::uint64_t>(cell.x())) |
-                    every_third_bit(static_cast<std::uint64_t>(cell.y())) << 1 |
-                    every_third_bit(static_cast<std::uint64_t>(cell.z())) << 2,
-                i};
+    const MovingKernel& k = kernels[i];
+    order[i] = {
+        every_third_bit(cell(k, 0)) | every_third_bit(cell(k, 1)) << 1 | every_third_bit(cell(k, 2)) << 2, i};
   }
   std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
     return a.key != b.key ? a.key < b.key : content_less(kernels[a.index], kernels[b.index]);
@@ -147,8 +149,15 @@ class Builder {
     kernel.weight = static_cast<float>(disc.weight);
     kernel.depth_tolerance = static_cast<float>(scene_.model.depth_tolerance * disc.size);
     kernel.facing.setZero();
+    // Coordinates near the end of a double's range, or sizes near that of a float's.
+    constexpr float largest = 1e30f;
+    if (!kernel.center.allFinite() || !kernel.velocity.allFinite() || !kernel.axis_u.allFinite() ||
+        !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest)) {
+      ++out_.culled_degenerate;
+      return;
+    }
     // Normalised before it becomes a float: the product of two tiny axes would underflow.
-    if (!object.two_sided) kernel.facing = (side * axis_u.cross(axis_v).normalized()).cast<float>();
+    if (!object.two_sided) kernel.facing = (side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
     const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
     kernel.color.head<3>() =
         opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);
