@@ -68,6 +68,12 @@ std::vector<EGLDeviceEXT> egl_devices() {
   return devices;
 }
 
+/// Whether the device is the processor itself.
+bool is_software(EGLDeviceEXT device) {
+  const auto query = extension_function<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  return query != nullptr && has_word(query(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
+}
+
 EGLDisplay platform_display(EGLenum platform, void* native) {
   const auto get = extension_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   return get == nullptr ? EGL_NO_DISPLAY : get(platform, native, nullptr);
@@ -177,11 +183,13 @@ Result<GlContext> GlContext::create(const std::string& device) {
   }
 
   std::string reasons;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    Result<GlContext> made = factory.on_device(devices[i], i);
-    if (made) return made;
-    reasons += "; device " + std::to_string(i) + ": " + made.error().reason;
-  }
+  for (const bool software : {false, true})
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      if (is_software(devices[i]) != software) continue;
+      Result<GlContext> made = factory.on_device(devices[i], i);
+      if (made) return made;
+      reasons += "; device " + std::to_string(i) + ": " + made.error().reason;
+    }
   if (devices.empty()) reasons += "; EGL lists no devices";
   if (has_surfaceless()) {
     Result<GlContext> made = factory.surfaceless();

@@ -11,7 +11,9 @@ void main() {
   Line line = line_along(offset);
   float u = line.u + time * line.du, v = line.v + time * line.dv, z = line.z + time * line.dz;
   if (!(u * u + v * v <= 1.0) || !(z >= near_plane)) discard;
-  limit = z + rate_u.w;
+  // Compilers may fuse the sums of this pass and of later ones differently: 2^-22 of the depth keeps a disc from
+  // hiding itself.
+  limit = z + max(rate_u.w, 2.4e-7 * z);
   // Reversed: a float keeps its relative precision at all depths.
   gl_FragDepth = near_plane / z;
 }

@@ -42,7 +42,7 @@ struct GpuDevice {
 
 struct GpuOptions {
   /// An id of list_gpus(). Empty: the environment variable SWEPT_GPU; where that is unset too, the first
-  /// device that works.
+  /// device that works, and one that is the processor itself only after all others.
   std::string device;
   std::size_t batch_kernels = 1u << 17;  ///< kernels in one buffer; [1, 2²²]. Changes no bit
 
