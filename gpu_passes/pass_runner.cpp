@@ -130,11 +130,12 @@ void PassRunner::upload(std::span<const Instance> instances) {
       Batch batch{GlBuffer::make(), GlVertexArray::make(), 0};
       glBindVertexArray(batch.vertex_array.name());
       glBindBuffer(GL_ARRAY_BUFFER, batch.buffer.name());
+      glBindVertexBuffer(0, batch.buffer.name(), 0, sizeof(Instance));
+      glVertexBindingDivisor(0, 1);
       for (GLuint i = 0; i < instance_attributes; ++i) {
         glEnableVertexAttribArray(i);
-        glVertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, sizeof(Instance),
-                              reinterpret_cast<const void*>(i * sizeof(glm::vec4)));
-        glVertexAttribDivisor(i, 1);
+        glVertexAttribFormat(i, 4, GL_FLOAT, GL_FALSE, i * static_cast<GLuint>(sizeof(glm::vec4)));
+        glVertexAttribBinding(i, 0);
       }
       batches_.push_back(std::move(batch));
     }
