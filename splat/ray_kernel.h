@@ -20,7 +20,8 @@
 namespace swept {
 
 /// Coordinates in the disc's plane and depth along one ray, linear in the time from the segment's middle:
-/// u + du·(τ − t_mid) and so on. Not finite where the ray lies in the disc's plane.
+/// u + du·(τ − t_mid) and so on. They need not be finite where the ray lies in the disc's plane to
+/// rounding.
 template <class T>
 struct RayCoordinates {
   T u, v, z;

@@ -38,7 +38,7 @@ void expect_coordinates_within_bounds() {
       const T x = static_cast<T>(exact_x), y = static_cast<T>(exact_y);
       const RayCoordinates<T> c = KernelPlane<T>(kernel).along(x, y);
       const double ratio = oracle::coordinate_error(kernel, x, y, {c.u, c.v, c.z, c.du, c.dv, c.dz}, unit);
-      if (std::isnan(ratio)) continue;  // n·d = 0
+      if (std::isnan(ratio)) continue;  // in the plane
       worst = std::max(worst, ratio);
       ++checked;
     }

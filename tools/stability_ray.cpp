@@ -37,7 +37,10 @@ void add_coordinate_rows_of(const oracle::HardCase& hard, std::size_t points, st
     const MovingKernel& kernel = input.kernel;
     const T x = static_cast<T>(input.x), y = static_cast<T>(input.y);
     const oracle::Ray exact = oracle::along(kernel, x, y);
-    if (!(exact.facing_ratio > 0.0)) continue;
+    if (oracle::in_plane(exact, unit_roundoff<T>)) {
+      ++branches["in the plane, left out"];
+      continue;
+    }
     const oracle::CoordinateBounds bounds = oracle::coordinate_bounds(kernel, x, y, unit_roundoff<T>);
     const RayCoordinates<T> ours = KernelPlane<T>(kernel).along(x, y);
     const RayCoordinates<T> theirs = naive::along<T>(kernel, x, y);

@@ -32,7 +32,7 @@ CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double 
 double coordinate_error(const MovingKernel& kernel, double x, double y,
                         const RayCoordinates<double>& computed, double unit) {
   const Ray exact = along(kernel, x, y);
-  if (!(exact.facing_ratio > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  if (in_plane(exact, unit)) return std::numeric_limits<double>::quiet_NaN();
   const CoordinateBounds bounds = coordinate_bounds(kernel, x, y, unit);
   const auto share = [](double value, Exact of, double bound) {
     const double off = error(value, of);

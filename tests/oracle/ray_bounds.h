@@ -21,7 +21,11 @@ struct CoordinateBounds {
 [[nodiscard]] CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y,
                                                  double unit = 0x1p-53);
 
-/// The largest of |error| / bound over the six coordinates; NaN where n·d = 0, infinity for a result of NaN.
+/// Whether the ray lies in the disc's plane but for rounding, 4 ε N of n·d: its coordinates then need not
+/// even be finite.
+[[nodiscard]] inline bool in_plane(const Ray& exact, double unit) { return !(exact.facing_ratio > 8 * unit); }
+
+/// The largest of |error| / bound over the six coordinates; NaN in the plane, infinity for a result of NaN.
 [[nodiscard]] double coordinate_error(const MovingKernel& kernel, double x, double y,
                                       const RayCoordinates<double>& computed, double unit = 0x1p-53);
 
