@@ -177,19 +177,6 @@ class TileRenderer {
   std::vector<std::uint8_t> moving_;
 };
 
-Image empty_image(const Film& film) {
-  Image image;
-  image.x = film.crop_x;
-  image.y = film.crop_y;
-  image.width = film.window_width();
-  image.height = film.window_height();
-  image.film_width = film.width;
-  image.film_height = film.height;
-  image.rgba.resize(4 * image.pixel_count());
-  image.depth.resize(image.pixel_count());
-  return image;
-}
-
 void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Statistics& s) {
   const double swept = static_cast<double>(std::max<std::uint64_t>(1, c.swept_pixels));
   s.count("surfels", static_cast<double>(set.surfels));
@@ -224,7 +211,7 @@ Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
   out.statistics.time("kernels", seconds_since(start));
 
   start = Clock::now();
-  out.image = empty_image(scene.film);
+  out.image = blank_image(scene.film);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
   std::vector<Shade> shades;

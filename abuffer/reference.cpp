@@ -12,6 +12,8 @@
 
 #include "abuffer/reference_frame.h"
 
+#include "splat/segments.h"
+
 namespace swept {
 namespace {
 
@@ -36,15 +38,6 @@ bool nothing_moves(const KernelSet& set) {
   return std::all_of(set.kernels.begin(), set.kernels.end(), [](const MovingKernel& kernel) {
     return kernel.still() && kernel.t_begin <= 0.0f && kernel.t_end >= 1.0f;
   });
-}
-
-bool nothing_moves(const Scene& scene) {
-  const double first = scene.frame + scene.shutter.open, last = scene.frame + scene.shutter.close;
-  return first == last ||
-         (scene.camera.constant_over(first, last) &&
-          std::none_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
-            return object.cloud.moves() || !object.transform.constant_over(first, last);
-          }));
 }
 
 double rmse_of_rgb(const Image& a, const Image& b) {

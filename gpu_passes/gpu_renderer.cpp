@@ -40,15 +40,8 @@ FrameBlock frame_block(const Scene& scene, const PixelWindow& window, int subfra
 }
 
 Image image_of(const Film& film, std::vector<float> color, const std::vector<float>& depth) {
-  Image image;
-  image.x = film.crop_x;
-  image.y = film.crop_y;
-  image.width = film.window_width();
-  image.height = film.window_height();
-  image.film_width = film.width;
-  image.film_height = film.height;
+  Image image = blank_image(film);
   image.rgba = std::move(color);
-  image.depth.resize(image.pixel_count());
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
     const float alpha = depth[2 * i + 1];
     image.depth[i] = alpha > 0.0f ? depth[2 * i] / alpha : std::numeric_limits<float>::infinity();

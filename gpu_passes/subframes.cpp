@@ -6,6 +6,7 @@
 
 #include "gpu_passes/clamp_motion.h"
 #include "splat/screen_bounds.h"
+#include "splat/segments.h"
 
 namespace swept {
 namespace {
@@ -16,15 +17,6 @@ constexpr double subframe_px = 8.0, still_frame_px = 1.0;
 constexpr int most_chosen = 256;
 /// Parts in which the motion is measured, each by its chord.
 constexpr int measured_parts = 8;
-
-bool nothing_moves(const Scene& scene) {
-  const double first = scene.frame + scene.shutter.open, last = scene.frame + scene.shutter.close;
-  return first == last ||
-         (scene.camera.constant_over(first, last) &&
-          std::none_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
-            return object.cloud.moves() || !object.transform.constant_over(first, last);
-          }));
-}
 
 }  // namespace
 

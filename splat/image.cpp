@@ -24,4 +24,17 @@ Status Image::validate() const {
   return Done{};
 }
 
+Image blank_image(const Film& film) {
+  Image image;
+  image.x = film.crop_x;
+  image.y = film.crop_y;
+  image.width = film.window_width();
+  image.height = film.window_height();
+  image.film_width = film.width;
+  image.film_height = film.height;
+  image.rgba.resize(4 * image.pixel_count());
+  image.depth.resize(image.pixel_count());
+  return image;
+}
+
 }  // namespace swept

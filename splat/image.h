@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/camera.h"
 #include "splat/result.h"
 
 namespace swept {
@@ -25,5 +26,8 @@ struct Image {
   /// Pixel values are free. The error's field names the member.
   [[nodiscard]] Status validate() const;
 };
+
+/// The film's window, with arrays of its size: transparent black, depth 0.
+[[nodiscard]] Image blank_image(const Film& film);
 
 }  // namespace swept

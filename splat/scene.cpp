@@ -73,8 +73,8 @@ Status ImageModel::validate() const {
   if (!(depth_tolerance >= 0.0 && depth_tolerance <= 100.0))
     return bad("/depth_tolerance", "the depth tolerance must be between 0 and 100");
   if (segments < 0 || segments > max_segments)
-    return bad("/segments",
-               "segments must be between 1 and " + std::to_string(max_segments) + ", or 0 to have them chosen");
+    return bad("/segments", "segments must be between 1 and " + std::to_string(max_segments) +
+                                ", or 0 to have them chosen");
   return Done{};
 }
 

@@ -34,7 +34,7 @@ struct ImageModel {
   Coverage coverage = Coverage::soft;
   double edge_weight = 0.5;      ///< ρ_edge of soft coverage; (0, 1]
   double depth_tolerance = 1.0;  ///< ternary depth tolerance in units of the filtered disc's radius; [0, 100]
-  int segments = 0;              ///< linear motion segments over the shutter; [1, 4096], 0: as many as it takes
+  int segments = 0;  ///< linear motion segments over the shutter; [1, 4096], 0: as many as it takes
 
   [[nodiscard]] Status validate() const;
 };

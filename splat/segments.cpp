@@ -107,6 +107,11 @@ int choose_segments(const Scene& scene, const Object& object) {
 
 }  // namespace
 
+bool nothing_moves(const Scene& scene) {
+  return std::all_of(scene.objects.begin(), scene.objects.end(),
+                     [&](const Object& object) { return stands_still(scene, object); });
+}
+
 int linear_segments(const Scene& scene, const Object& object) {
   if (stands_still(scene, object)) return 1;
   if (object.segments > 0) return object.segments;

@@ -8,6 +8,10 @@ namespace swept {
 /// The most segments that are chosen unasked.
 inline constexpr int max_chosen_segments = 64;
 
+/// Whether every object, its points and the camera keep their bits over the whole shutter, or the shutter is
+/// closed.
+[[nodiscard]] bool nothing_moves(const Scene& scene);
+
 /// How many linear segments build_kernels() cuts the paths of `object` into over the shutter:
 /// Object::segments, else ImageModel::segments, else as many as keep every point within 0.1 px of its true
 /// path on the film and the discs' rims within 0.25 px on average, up to max_chosen_segments. That is judged

@@ -152,7 +152,8 @@ void color_by_normals(SurfelCloud& cloud) {
   cloud.color.resize(pose.size());
   for (std::size_t i = 0; i < pose.size(); ++i) {
     // In double, where the product of tiny axes does not underflow.
-    const Eigen::Vector3d normal = pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
+    const Eigen::Vector3d normal =
+        pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
     cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
   }
 }

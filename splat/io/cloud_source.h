@@ -45,7 +45,8 @@ struct LoadedCloud {
   std::vector<std::string> notes;
 };
 
-/// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file has none.
+/// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file
+/// has none.
 void color_by_normals(SurfelCloud& cloud);
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
