@@ -29,7 +29,7 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
   while (next_end_ < count) {
     pass_events(time);
     if (next_end_ == count) break;
-    const float next = next_event(time);
+    const float next = next_event();
     if (active_.size() == 0 && !hidden_.empty()) {
       reveal(time);
       continue;
@@ -89,17 +89,13 @@ void PixelSweep::pass_events(float time) {
   }
 }
 
-/// The first time after `after` at which something that is not hidden begins or ends. Hides on the way.
-float PixelSweep::next_event(float after) {
+/// The first time to come at which something that is not hidden begins or ends. Hides on the way.
+float PixelSweep::next_event() {
   float next = infinity;
   for (; next_begin_ < begins_.size(); ++next_begin_) {
     const std::uint32_t place = event_place(begins_[next_begin_]);
-    if (!lies_behind(place)) {
-      next = event_time(begins_[next_begin_]);
-      break;
-    }
-    // Not beyond what is active: there is nothing there to be behind of.
-    if (event_time(begins_[next_begin_]) > after && active_.size() == 0) {
+    // Where nothing is active there is nothing to be behind of.
+    if (active_.size() == 0 || !lies_behind(place)) {
       next = event_time(begins_[next_begin_]);
       break;
     }
@@ -113,19 +109,18 @@ float PixelSweep::next_event(float after) {
   return next;
 }
 
-bool PixelSweep::lies_behind(std::uint32_t place) const {
-  if (front_limit_ == infinity) return false;
+float PixelSweep::least_depth(std::uint32_t place) const {
   const std::uint32_t f = indices_[place];
   const float z = fragments_->z[f];
-  const float z_end = z + fragments_->z_rate[f] * (fragments_->t_end[f] - fragments_->t_begin[f]);
-  return std::min(z, z_end) > front_limit_ + front_margin_;
+  return std::min(z, z + fragments_->z_rate[f] * (fragments_->t_end[f] - fragments_->t_begin[f]));
+}
+
+bool PixelSweep::lies_behind(std::uint32_t place) const {
+  return front_limit_ != infinity && least_depth(place) > front_limit_ + front_margin_;
 }
 
 void PixelSweep::hide(std::uint32_t place) {
-  const std::uint32_t f = indices_[place];
-  const float z_end =
-      fragments_->z[f] + fragments_->z_rate[f] * (fragments_->t_end[f] - fragments_->t_begin[f]);
-  hidden_min_z_ = std::min({hidden_min_z_, fragments_->z[f], z_end});
+  hidden_min_z_ = std::min(hidden_min_z_, least_depth(place));
   hidden_.push_back(place);
   state_[place] = State::hidden;
   ++counters_->hidden;

@@ -39,10 +39,11 @@ class PixelSweep {
   void activate(std::uint32_t place);
   void deactivate(std::uint32_t place);
   void pass_events(float time);
-  float next_event(float after);
+  float next_event();
   void hide(std::uint32_t place);
   void hide_what_is_behind();
   void reveal(float time);
+  [[nodiscard]] float least_depth(std::uint32_t place) const;
   [[nodiscard]] bool lies_behind(std::uint32_t place) const;
 
   float resolve_until(float begin, float end, PixelSum& pixel);

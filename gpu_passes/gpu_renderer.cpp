@@ -1,6 +1,5 @@
 #include "gpu_passes/gpu_renderer.h"
 
-#include <chrono>
 #include <limits>
 #include <new>
 #include <utility>
@@ -8,23 +7,10 @@
 #include "gpu_passes/context.h"
 #include "gpu_passes/pass_runner.h"
 #include "gpu_passes/subframes.h"
+#include "splat/stopwatch.h"
 
 namespace swept {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// Seconds since the last call, or since it was made.
-class Stopwatch {
- public:
-  double lap() {
-    const Clock::time_point last = std::exchange(start_, Clock::now());
-    return std::chrono::duration<double>(start_ - last).count();
-  }
-
- private:
-  Clock::time_point start_ = Clock::now();
-};
 
 FrameBlock frame_block(const Scene& scene, const PixelWindow& window, int subframes) {
   const auto number = [](auto value) { return static_cast<float>(value); };

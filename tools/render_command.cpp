@@ -1,6 +1,5 @@
 #include "tools/render_command.h"
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -24,6 +23,7 @@
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
+#include "splat/stopwatch.h"
 #include "tools/gpu_method.h"
 #include "tools/outputs.h"
 #include "tools/progress.h"
@@ -32,8 +32,6 @@
 
 namespace swept {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct RenderArguments {
   std::string scene, output, preview, stats;
@@ -119,18 +117,6 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& hash) {
   metadata.software = "swept " SWEPT_VERSION;
   return metadata;
 }
-
-/// Seconds since the last call, or since it was made.
-class Stopwatch {
- public:
-  double lap() {
-    const Clock::time_point last = std::exchange(start_, Clock::now());
-    return std::chrono::duration<double>(start_ - last).count();
-  }
-
- private:
-  Clock::time_point start_ = Clock::now();
-};
 
 Result<FrameStatistics> render_frame(SceneFile& file, const FrameOutput& output, const Method& method,
                                      const std::string& hash) {
