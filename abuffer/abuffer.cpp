@@ -1,7 +1,6 @@
 #include "abuffer/abuffer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <memory>
 #include <new>
@@ -16,19 +15,14 @@
 #include "abuffer/still.h"
 #include "abuffer/sweep.h"
 #include "splat/kernel_set.h"
+#include "splat/stopwatch.h"
 
 namespace swept {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 struct Counters {
   std::uint64_t fragments = 0, still_pixels = 0, swept_pixels = 0, most_fragments = 0, split_tiles = 0;
-  std::uint64_t nanoseconds_rasterize = 0, nanoseconds_resolve = 0;
+  double seconds_rasterize = 0.0, seconds_resolve = 0.0;
   SweepCounters sweep;
 
   void add(const Counters& other) {
@@ -37,8 +31,8 @@ struct Counters {
     swept_pixels += other.swept_pixels;
     most_fragments = std::max(most_fragments, other.most_fragments);
     split_tiles += other.split_tiles;
-    nanoseconds_rasterize += other.nanoseconds_rasterize;
-    nanoseconds_resolve += other.nanoseconds_resolve;
+    seconds_rasterize += other.seconds_rasterize;
+    seconds_resolve += other.seconds_resolve;
     sweep.intervals += other.sweep.intervals;
     sweep.crossings += other.sweep.crossings;
     sweep.subdivided += other.sweep.subdivided;
@@ -100,18 +94,14 @@ class TileRenderer {
       render_part(second, false);
       return;
     }
-    const auto start = Clock::now();
+    Stopwatch watch;
     fragments_.count = 0;
     for (const BoundedKernel& kernel : octagons_)
       rasterize(set_.kernels[kernel.index], kernel.index, kernel.octagon, raster_, window, fragments_);
     sort_by_pixel(window);
-    const auto middle = Clock::now();
+    counters.seconds_rasterize += watch.lap();
     resolve(window);
-    const auto nanoseconds = [](Clock::duration d) {
-      return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(d).count());
-    };
-    counters.nanoseconds_rasterize += nanoseconds(middle - start);
-    counters.nanoseconds_resolve += nanoseconds(Clock::now() - middle);
+    counters.seconds_resolve += watch.lap();
   }
 
   /// A stable counting sort of fragment indices: within a pixel they keep the order of the kernels.
@@ -206,11 +196,10 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
 
 Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
   Rendered out;
-  auto start = Clock::now();
+  Stopwatch watch;
   const KernelSet set = build_kernels(scene);
-  out.statistics.time("kernels", seconds_since(start));
+  out.statistics.time("kernels", watch.lap());
 
-  start = Clock::now();
   out.image = blank_image(scene.film);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
@@ -218,9 +207,8 @@ Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
   shades.reserve(set.kernels.size());
   for (const MovingKernel& k : set.kernels)
     shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
-  out.statistics.time("bins", seconds_since(start));
+  out.statistics.time("bins", watch.lap());
 
-  start = Clock::now();
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   Counters total;
   arena.execute([&] {
@@ -233,9 +221,9 @@ Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
     });
     for (const TileRenderer& renderer : renderers) total.add(renderer.counters);
   });
-  out.statistics.time("tiles", seconds_since(start));
-  out.statistics.time("rasterize, all threads", 1e-9 * static_cast<double>(total.nanoseconds_rasterize));
-  out.statistics.time("resolve, all threads", 1e-9 * static_cast<double>(total.nanoseconds_resolve));
+  out.statistics.time("tiles", watch.lap());
+  out.statistics.time("rasterize, all threads", total.seconds_rasterize);
+  out.statistics.time("resolve, all threads", total.seconds_resolve);
   describe(set, bins, total, out.statistics);
   return out;
 }

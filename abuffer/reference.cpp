@@ -1,7 +1,6 @@
 #include "abuffer/reference.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <new>
@@ -13,15 +12,10 @@
 #include "abuffer/reference_frame.h"
 
 #include "splat/segments.h"
+#include "splat/stopwatch.h"
 
 namespace swept {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The kernels that exist at a shutter time. The set lives until the next call.
 using KernelsAt = std::function<const KernelSet&(double tau)>;
@@ -69,21 +63,20 @@ Rendered render(const Source& source, const Scene& scene, const ReferenceOptions
   Statistics& statistics = rendered.statistics;
   const int samples = source.still ? 1 : options.samples;
 
-  const auto start = Clock::now();
+  Stopwatch watch;
   reference::FrameSum sum(scene.film, scene.model, scene.background);
   expose(source.kernels_at, samples, sum);
   rendered.image = sum.mean();
-  statistics.time("still images", seconds_since(start));
+  statistics.time("still images", watch.lap());
 
   std::uint64_t instants = sum.instants(), fragments = sum.fragments(), surfaces = sum.surfaces();
   double error = 0.0;
   if (!source.still) {
-    const auto start_of_half = Clock::now();
     reference::FrameSum half(scene.film, scene.model, scene.background);
     expose(source.kernels_at, samples / 2, half);
     error = rmse_of_rgb(rendered.image, half.mean()) / std::sqrt(6.0);
     instants += half.instants(), fragments += half.fragments(), surfaces += half.surfaces();
-    statistics.time("error estimate", seconds_since(start_of_half));
+    statistics.time("error estimate", watch.lap());
   }
 
   statistics.count("samples", samples);
@@ -110,11 +103,11 @@ Rendered render_smooth(const Scene& scene, const ReferenceOptions& options) {
   KernelSet kernels;
   double seconds = 0.0;
   const auto rebuild = [&](double tau) -> const KernelSet& {
-    const auto start = Clock::now();
+    Stopwatch watch;
     const double time = scene.shutter.open + tau * (scene.shutter.close - scene.shutter.open);
     instant.shutter = {time, time};
     kernels = build_kernels(instant);
-    seconds += seconds_since(start);
+    seconds += watch.lap();
     return kernels;
   };
   Rendered rendered = render({rebuild, nothing_moves(scene), "the true path"}, scene, options);
@@ -163,9 +156,9 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
   if (Status status = validate(scene, options); !status) return status.error();
   return run_in_arena(options.threads, [&] {
     if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options);
-    const auto start = Clock::now();
+    Stopwatch watch;
     const KernelSet kernels = build_kernels(scene);
-    const double seconds = seconds_since(start);
+    const double seconds = watch.lap();
     Rendered rendered = render_segments(kernels, scene, options);
     rendered.statistics.time("kernels", seconds);
     return rendered;
