@@ -46,15 +46,16 @@ struct Counters {
 class TileRenderer {
  public:
   TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
-               std::size_t fragment_limit, Image& image)
+               const AbufferOptions& options, Image& image)
       : set_(set),
         shades_(shades),
         background_(scene.background.cast<double>()),
         raster_{set.projection, set.near, scene.model.delta},
-        fragment_limit_(fragment_limit),
+        fragment_limit_(options.tile_fragments),
         image_(image),
         still_(SurfaceModel(scene.model)),
-        sweep_(SurfaceModel(scene.model)) {}
+        sweep_(SurfaceModel(scene.model),
+               options.simd ? interval_math_builds().back() : interval_math_builds().front()) {}
 
   void render(const Window& window, std::span<const std::uint32_t> kernels) {
     octagons_.clear();
@@ -213,7 +214,7 @@ Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
   Counters total;
   arena.execute([&] {
     tbb::enumerable_thread_specific<TileRenderer> renderers(
-        [&] { return TileRenderer(scene, set, shades, options.tile_fragments, out.image); });
+        [&] { return TileRenderer(scene, set, shades, options, out.image); });
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
       TileRenderer& renderer = renderers.local();
       for (std::size_t tile = range.begin(); tile != range.end(); ++tile)

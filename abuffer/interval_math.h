@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "abuffer/composite.h"
 
@@ -42,10 +43,6 @@ struct DepthRange {
   float max_rate;
 };
 
-/// z_begin and z_end have room for `padded` values. Precondition: count > 0.
-[[nodiscard]] DepthRange depths_over(const Members& members, float begin, float end, float* z_begin,
-                                     float* z_end);
-
 struct MemberSum {
   SurfaceSum surface;      ///< each member weighted by the mean of its ρ over the interval
   float variation = 0.0f;  ///< bound of how far Σρ gets below its mean within the interval
@@ -53,8 +50,20 @@ struct MemberSum {
   float widest = 0.0f;     ///< the farthest a member moves along its line, in units of y
 };
 
-/// Sums over [begin, end]; begin == end: at that instant. `mean` has room for `padded` values. A mean's
-/// relative error is ≤ 4 ulp beyond what rounding y² costs, for |y| ≤ √50.
-[[nodiscard]] MemberSum sum_over(const Members& members, float begin, float end, float* mean);
+/// The arithmetic as built for one instruction set. All builds give the same bits.
+struct IntervalMath {
+  const char* name;
+
+  /// z_begin and z_end have room for `padded` values. Precondition: count > 0.
+  DepthRange (*depths_over)(const Members& members, float begin, float end, float* z_begin, float* z_end);
+
+  /// Sums over [begin, end]; begin == end: at that instant. `mean` has room for `padded` values. A mean is
+  /// within 5 ulp of that over the ends as they come out, y + rate·(τ − t_begin), and moves with these: their
+  /// rounding is at most 2⁻²⁴ (4 |rate·(τ − t_begin)| + |y| + …) and costs 2|y| times as much of it.
+  MemberSum (*sum_over)(const Members& members, float begin, float end, float* mean);
+};
+
+/// Those this processor can run: first the plain loops that define what the others compute, last the widest.
+[[nodiscard]] std::span<const IntervalMath> interval_math_builds();
 
 }  // namespace swept

@@ -44,7 +44,7 @@ float SurfaceStack::attempt(float begin, float end) {
   surfaces_.clear();
   transmittance_ = 1.0f;
 
-  const DepthRange range = depths_over(all, begin, end, z_begin_.data(), z_end_.data());
+  const DepthRange range = math_.depths_over(all, begin, end, z_begin_.data(), z_end_.data());
   margin_ = range.max_tolerance;
   // A little less than the limit, so that rounding does not ask for the same again.
   if (count > 1 && range.max_rate * (end - begin) > longest_span) {
@@ -161,7 +161,7 @@ float SurfaceStack::shorten(float begin, float end, float fraction) {
 /// the piece has to be shortened for the sums' ratio to stand for the ratio's integral. `alone`: nothing lies
 /// behind.
 float SurfaceStack::measure(Surface& surface, float begin, float end) {
-  surface.sum = sum_over(surface.members, begin, end, mean_.data());
+  surface.sum = math_.sum_over(surface.members, begin, end, mean_.data());
   const float scale = model_.scale(surface.sum.surface);
   transmittance_ *= 1.0f - std::min(1.0f, surface.sum.surface.rgba[3] * scale);
 
@@ -175,8 +175,8 @@ float SurfaceStack::measure(Surface& surface, float begin, float end) {
     if (cut < end) return cut;
   }
 
-  const float at_begin = sum_over(surface.members, begin, begin, mean_.data()).surface.weight;
-  const float at_end = sum_over(surface.members, end, end, mean_.data()).surface.weight;
+  const float at_begin = math_.sum_over(surface.members, begin, begin, mean_.data()).surface.weight;
+  const float at_end = math_.sum_over(surface.members, end, end, mean_.data()).surface.weight;
   // The parabola with these ends and this mean has its extremum where Σρ has its own, if it has one within.
   const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
   const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
@@ -210,7 +210,7 @@ void SurfaceStack::composite(float begin, float end, PixelSum& pixel, SweepCount
     const float time = begin + place * duration;
     transmittance = 1.0f;
     for (const Surface& surface : surfaces_) {
-      const SurfaceSum sum = sum_over(surface.members, time, time, mean_.data()).surface;
+      const SurfaceSum sum = math_.sum_over(surface.members, time, time, mean_.data()).surface;
       add_surface(sum, model_.scale(sum), 0.5f * duration, transmittance, pixel);
       counters.evaluations += surface.members.count;
     }

@@ -24,7 +24,7 @@ struct SweepCounters {
 /// to 1.5).
 class SurfaceStack {
  public:
-  explicit SurfaceStack(const SurfaceModel& model) : model_(model) {}
+  SurfaceStack(const SurfaceModel& model, const IntervalMath& math) : model_(model), math_(math) {}
 
   /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
   /// each keeps its members, and its sums' ratio stands for the ratio's integral. `active` must not be empty,
@@ -55,6 +55,7 @@ class SurfaceStack {
   float shorten(float begin, float end, float fraction);
 
   SurfaceModel model_;
+  IntervalMath math_;
   MemberSet* active_ = nullptr;
   SweepCounters* counters_ = nullptr;
   std::vector<std::uint32_t>

@@ -25,7 +25,8 @@ namespace swept {
 
 class PixelSweep {
  public:
-  explicit PixelSweep(const SurfaceModel& model) : surfaces_(model) {}
+  explicit PixelSweep(const SurfaceModel& model, const IntervalMath& math = interval_math_builds().back())
+      : surfaces_(model, math) {}
 
   /// Resolves the `count` fragments `indices` of `fragments`, in any order but one that does not depend on
   /// the order of the scene's points. Adds to `pixel` and `counters`.

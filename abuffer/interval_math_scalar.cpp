@@ -1,0 +1,17 @@
+// The definition: one member after the other. Compiled without vectors and without liberties.
+#include "abuffer/interval_math_loops.h"
+
+namespace swept {
+
+DepthRange depths_over_scalar(const Members& members, float begin, float end, float* z_begin, float* z_end);
+MemberSum sum_over_scalar(const Members& members, float begin, float end, float* mean);
+
+DepthRange depths_over_scalar(const Members& members, float begin, float end, float* z_begin, float* z_end) {
+  return depths_over_text(members, begin, end, z_begin, z_end);
+}
+
+MemberSum sum_over_scalar(const Members& members, float begin, float end, float* mean) {
+  return sum_over_text(members, begin, end, mean);
+}
+
+}  // namespace swept

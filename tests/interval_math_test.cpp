@@ -1,0 +1,184 @@
+// The sweep's arithmetic, built for every instruction set: its means against a 50-digit oracle, and the same
+// bits from all builds.
+#include "abuffer/interval_math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "abuffer/members.h"
+#include "splat/kernel_integral.h"
+#include "tests/oracle/oracle.h"
+
+namespace swept {
+namespace {
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+struct Fragment {
+  float t_begin = 0.0f, y = 0.0f, rate = 0.0f, peak = 1.0f, z = 1.0f, z_rate = 0.0f;
+};
+
+void push(MemberSet& members, FragmentArrays& arrays, const Fragment& f, const Shade& shade) {
+  arrays.ensure(1);
+  arrays.t_begin[0] = f.t_begin;
+  arrays.t_end[0] = 1.0f;
+  arrays.y[0] = f.y;
+  arrays.rate[0] = f.rate;
+  arrays.peak[0] = f.peak;
+  arrays.z[0] = f.z;
+  arrays.z_rate[0] = f.z_rate;
+  members.push(arrays, 0, shade);
+}
+
+float mean_of(const IntervalMath& math, const Fragment& fragment, float begin, float end) {
+  MemberSet members;
+  FragmentArrays arrays;
+  push(members, arrays, fragment, {});
+  float mean[member_lanes];
+  (void)math.sum_over(members.view(), begin, end, mean);
+  return mean[0];
+}
+
+/// On a grid of 2⁻¹⁶ up to 8, for ends, middle and span to be exact in float.
+float on_grid(double y) { return static_cast<float>(std::round(y * 65536.0) / 65536.0); }
+
+/// Of all cases; `plain` is called with the two ends.
+template <class Mean>
+double worst_ulps(const Mean& mean, int points) {
+  Random random(1);
+  double worst = 0.0;
+  for (int i = 0; i < points; ++i) {
+    const float a = on_grid(uniform(random, -7.0, 7.0));
+    const float span = on_grid(random() % 4 ? uniform(random, 0.0, 0.5) : uniform(random, 0.0, 7.0 - a));
+    const double off =
+        oracle::ulps(mean(a, span), oracle::mean_gaussian(a, double{a} + span, oracle::Digits::quad));
+    worst = off <= worst ? worst : off;
+  }
+  return worst;
+}
+
+TEST(IntervalMath, MeanIsWithin5UlpInEveryBuild) {
+  ASSERT_GE(interval_math_builds().size(), 2u);
+  for (const IntervalMath& math : interval_math_builds())
+    EXPECT_LE(
+        worst_ulps([&](float a, float span) { return mean_of(math, {.y = a, .rate = span}, 0.0f, 1.0f); },
+                   40000),
+        5.0)
+        << math.name;
+}
+
+/// What it replaced: y² rounded before exp.
+TEST(IntervalMath, TheCheckCatchesAPlainSquare) {
+  const auto plain = [](float a, float span) {
+    const float middle = a + 0.5f * span;
+    return span <= 0.5f && span * std::abs(middle) <= 1.0f
+               ? std::exp(-middle * middle) * GaussianSeries<float>::factor(middle, span)
+               : mean_gaussian(a, a + span);
+  };
+  EXPECT_GT(worst_ulps(plain, 40000), 20.0);
+}
+
+/// Fragments of any kind. What is rounded: the middle of the piece, by 2⁻²⁵, which is worth rate times that
+/// in y; its distance from t_begin and the product, each by ε of it; the sum, by ε|middle|; the span, by 2ε
+/// of itself. The mean's logarithm changes by at most 2|y| per change of y, y being the farther end.
+TEST(IntervalMath, MeanMovesWithItsEndsRoundingAndNoMore) {
+  Random random(2);
+  for (const IntervalMath& math : interval_math_builds()) {
+    double worst = 0.0;
+    for (int i = 0; i < 40000; ++i) {
+      const double begin_y = uniform(random, -7.0, 3.0), end_y = uniform(random, begin_y, 7.0);
+      const float t_begin = static_cast<float>(uniform(random, 0.0, 0.9)),
+                  t_end = static_cast<float>(uniform(random, t_begin, 1.0));
+      if (!(t_end - t_begin > 1e-3f)) continue;
+      const Fragment f{.t_begin = t_begin,
+                       .y = static_cast<float>(begin_y),
+                       .rate = static_cast<float>((end_y - begin_y) / (double{t_end} - t_begin))};
+      const float begin = static_cast<float>(uniform(random, t_begin, t_end)),
+                  end = static_cast<float>(uniform(random, begin, t_end));
+      const auto at = [&](float t) { return double{f.y} + double{f.rate} * (double{t} - double{f.t_begin}); };
+      const oracle::Exact exact = oracle::mean_gaussian(at(begin), at(end), oracle::Digits::quad);
+      const double farther = std::max(std::abs(at(begin)), std::abs(at(end)));
+      const double moved =
+          0x1p-24 * (f.rate * (0.5 + 2 * (double{end} - f.t_begin)) + farther + 2 * (at(end) - at(begin)));
+      const double bound =
+          5.0 * oracle::ulp<float>(exact.high) + exact.high * std::expm1(2 * (farther + moved) * moved);
+      worst = std::max(worst, oracle::error(mean_of(math, f, begin, end), exact) / bound);
+    }
+    EXPECT_LE(worst, 1.0) << math.name;
+    EXPECT_GT(worst, 0.2) << math.name << ": the bound says nothing";
+  }
+}
+
+bool same_bits(const float* a, const float* b, std::size_t count) {
+  return std::memcmp(a, b, count * sizeof(float)) == 0;
+}
+
+TEST(IntervalMath, AllBuildsGiveTheSameBits) {
+  Random random(3);
+  const auto builds = interval_math_builds();
+  for (int i = 0; i < 20000; ++i) {
+    MemberSet members;
+    FragmentArrays arrays;
+    const int count = 1 + static_cast<int>(random() % 40);
+    const double fastest = random() % 3 ? 0.5 : 8.0;
+    for (int k = 0; k < count; ++k) {
+      Shade shade{};
+      for (float& channel : shade.rgba) channel = static_cast<float>(uniform(random, 0.0, 1.0));
+      shade.depth_tolerance = static_cast<float>(uniform(random, 0.0, 0.1));
+      push(members, arrays,
+           {static_cast<float>(uniform(random, 0.0, 0.2)), static_cast<float>(uniform(random, -7.0, 7.0)),
+            static_cast<float>(uniform(random, 0.0, fastest)), static_cast<float>(uniform(random, 0.0, 1.0)),
+            static_cast<float>(uniform(random, 1.0, 9.0)), static_cast<float>(uniform(random, -1.0, 1.0))},
+           shade);
+    }
+    const Members view = members.view();
+    const float begin = static_cast<float>(uniform(random, 0.2, 0.9)),
+                end = random() % 4 ? static_cast<float>(uniform(random, begin, 1.0)) : begin;
+    std::vector<float> first[3], mine[3];
+    for (int a = 0; a < 3; ++a) {
+      first[a].resize(view.padded);
+      mine[a].resize(view.padded);
+    }
+    const MemberSum sum = builds[0].sum_over(view, begin, end, first[0].data());
+    const DepthRange range = builds[0].depths_over(view, begin, end, first[1].data(), first[2].data());
+    for (const IntervalMath& math : builds.subspan(1)) {
+      const MemberSum other = math.sum_over(view, begin, end, mine[0].data());
+      const DepthRange other_range = math.depths_over(view, begin, end, mine[1].data(), mine[2].data());
+      static_assert(sizeof(MemberSum) % sizeof(float) == 0 && sizeof(DepthRange) % sizeof(float) == 0);
+      ASSERT_EQ(std::memcmp(&sum, &other, sizeof sum), 0) << math.name << " " << i;
+      ASSERT_EQ(std::memcmp(&range, &other_range, sizeof range), 0) << math.name << " " << i;
+      for (int a = 0; a < 3; ++a)
+        ASSERT_TRUE(same_bits(first[a].data(), mine[a].data(), view.count)) << math.name << " " << i;
+    }
+  }
+}
+
+/// A fragment that passes the pixel in less than its times' rounding: its y there may be anything up to rate
+/// · 2⁻²⁵, where exp's exponent once wrapped around.
+TEST(IntervalMath, YFarOutOfRangeIsNothingSeen) {
+  for (const IntervalMath& math : interval_math_builds())
+    for (const float y : {9.0f, 9.31f, 13.0f, 20.0f, 22.0f, 1e3f, 1e15f, 1e30f})
+      for (const float sign : {-1.0f, 1.0f}) {
+        const float mean = mean_of(math, {.y = sign * y}, 0.5f, 0.5f);
+        EXPECT_TRUE(mean >= 0.0f && mean <= std::exp(-80.0f)) << math.name << " " << y << " " << mean;
+      }
+}
+
+TEST(IntervalMath, AtItsPeakAFragmentIsItsPeak) {
+  for (const IntervalMath& math : interval_math_builds())
+    for (const float peak : {1.0f, 0.3f, 0x1p-126f})
+      EXPECT_EQ(mean_of(math, {.peak = peak}, 0.25f, 0.75f), peak);
+}
+
+}  // namespace
+}  // namespace swept
