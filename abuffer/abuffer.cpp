@@ -53,8 +53,8 @@ class TileRenderer {
         raster_{set.projection, set.near, scene.model.delta},
         fragment_limit_(options.tile_fragments),
         image_(image),
-        still_(SurfaceModel(scene.model)),
-        sweep_(SurfaceModel(scene.model),
+        still_(SurfaceModel(scene.model, options.normalisation)),
+        sweep_(SurfaceModel(scene.model, options.normalisation),
                options.simd ? interval_math_builds().back() : interval_math_builds().front()) {}
 
   void render(const Window& window, std::span<const std::uint32_t> kernels) {

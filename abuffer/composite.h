@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "abuffer/abuffer.h"
 #include "splat/scene.h"
 
 namespace swept {
@@ -11,6 +12,8 @@ namespace swept {
 struct PixelSum {
   double rgba[4] = {0.0, 0.0, 0.0, 0.0};
   double depth = 0.0;
+  double opacity =
+      0.0;  ///< Normalisation::pixel alone: the divisor of what rgba has of colours until finish()
 };
 
 /// The sums over the fragments of one surface, each fragment weighted by its ρ, or its mean over an interval.
@@ -20,11 +23,16 @@ struct SurfaceSum {
   float depth = 0.0f;                        ///< Σρz
 };
 
+/// Below this share of light left, what lies behind is not looked for: 2⁻²⁴ changes no float.
+inline constexpr float opaque_transmittance = 0x1p-24f;
+
 /// Coverage and normalisation of a surface (model sections 1.3 and 1.4).
 class SurfaceModel {
  public:
-  explicit SurfaceModel(const ImageModel& model)
-      : hard_(model.coverage == Coverage::hard), edge_weight_(static_cast<float>(model.edge_weight)) {}
+  explicit SurfaceModel(const ImageModel& model, Normalisation normalisation = Normalisation::interval)
+      : hard_(model.coverage == Coverage::hard),
+        per_pixel_(normalisation == Normalisation::pixel),
+        edge_weight_(static_cast<float>(model.edge_weight)) {}
 
   [[nodiscard]] bool hard() const { return hard_; }
   [[nodiscard]] float edge_weight() const { return edge_weight_; }
@@ -35,24 +43,31 @@ class SurfaceModel {
     return 1.0f / (hard_ || surface.weight >= edge_weight_ ? surface.weight : edge_weight_);
   }
 
+  /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
+  /// is left of the light, before and after.
+  void add(const SurfaceSum& surface, float duration, float& transmittance, PixelSum& pixel) const {
+    const float factor = scale(surface);
+    if (factor == 0.0f) return;
+    const float alpha = surface.rgba[3] * factor < 1.0f ? surface.rgba[3] * factor : 1.0f;
+    const double share = static_cast<double>(transmittance) * static_cast<double>(duration);
+    const float of_color = per_pixel_ ? 1.0f : factor;
+    for (int c = 0; c < 3; ++c) pixel.rgba[c] += share * static_cast<double>(surface.rgba[c] * of_color);
+    pixel.rgba[3] += share * static_cast<double>(surface.rgba[3] * factor);
+    if (per_pixel_) pixel.opacity += share * static_cast<double>(surface.rgba[3]);
+    pixel.depth += share * static_cast<double>(alpha) * static_cast<double>(surface.depth / surface.weight);
+    transmittance *= 1.0f - alpha;
+  }
+
+  /// After a pixel's last surface.
+  void finish(PixelSum& pixel) const {
+    if (!per_pixel_ || !(pixel.opacity > 0.0)) return;
+    for (int c = 0; c < 3; ++c) pixel.rgba[c] *= pixel.rgba[3] / pixel.opacity;
+    pixel.opacity = 0.0;
+  }
+
  private:
-  bool hard_;
+  bool hard_, per_pixel_;
   float edge_weight_;
 };
-
-/// Below this share of light left, what lies behind is not looked for: 2⁻²⁴ changes no float.
-inline constexpr float opaque_transmittance = 0x1p-24f;
-
-/// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
-/// is left of the light, before and after.
-inline void add_surface(const SurfaceSum& surface, float scale, float duration, float& transmittance,
-                        PixelSum& pixel) {
-  if (scale == 0.0f) return;
-  const float alpha = surface.rgba[3] * scale < 1.0f ? surface.rgba[3] * scale : 1.0f;
-  const double share = static_cast<double>(transmittance) * static_cast<double>(duration);
-  for (int c = 0; c < 4; ++c) pixel.rgba[c] += share * static_cast<double>(surface.rgba[c] * scale);
-  pixel.depth += share * static_cast<double>(alpha) * static_cast<double>(surface.depth / surface.weight);
-  transmittance *= 1.0f - alpha;
-}
 
 }  // namespace swept

@@ -198,8 +198,7 @@ void SurfaceStack::composite(float begin, float end, PixelSum& pixel, SweepCount
   const float duration = end - begin;
   float transmittance = 1.0f;
   if (surfaces_.size() == 1) {
-    const SurfaceSum& sum = surfaces_[0].sum.surface;
-    add_surface(sum, model_.scale(sum), duration, transmittance, pixel);
+    model_.add(surfaces_[0].sum.surface, duration, transmittance, pixel);
     counters.evaluations += surfaces_[0].members.count;
     return;
   }
@@ -211,7 +210,7 @@ void SurfaceStack::composite(float begin, float end, PixelSum& pixel, SweepCount
     transmittance = 1.0f;
     for (const Surface& surface : surfaces_) {
       const SurfaceSum sum = math_.sum_over(surface.members, time, time, mean_.data()).surface;
-      add_surface(sum, model_.scale(sum), 0.5f * duration, transmittance, pixel);
+      model_.add(sum, 0.5f * duration, transmittance, pixel);
       counters.evaluations += surface.members.count;
     }
   }

@@ -26,6 +26,8 @@ class SurfaceStack {
  public:
   SurfaceStack(const SurfaceModel& model, const IntervalMath& math) : model_(model), math_(math) {}
 
+  [[nodiscard]] const SurfaceModel& model() const { return model_; }
+
   /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
   /// each keeps its members, and its sums' ratio stands for the ratio's integral. `active` must not be empty,
   /// and must outlive what follows unchanged.

@@ -36,6 +36,7 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
     }
     time = active_.size() == 0 ? next : resolve_until(time, next, pixel);
   }
+  surfaces_.model().finish(pixel);
 }
 
 void PixelSweep::start(std::size_t count) {

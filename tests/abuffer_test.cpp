@@ -179,6 +179,44 @@ TEST(Abuffer, ThreadsAndTilesChangeNoBit) {
   }
 }
 
+TEST(Abuffer, NormalisationPerPixelChangesColoursOnlyAndOnlyWhereTheyChange) {
+  const AbufferOptions per_pixel{.normalisation = Normalisation::pixel};
+  for (const Coverage coverage : {Coverage::soft, Coverage::hard}) {
+    Scene scene = busy_scene();
+    scene.model.coverage = coverage;
+    const Image interval = render(scene), pixel = render(scene, per_pixel);
+    EXPECT_TRUE(same_bits(interval.depth, pixel.depth));
+    float most = 0.0f;
+    for (std::size_t i = 0; i < interval.rgba.size(); ++i) {
+      if (i % 4 == 3) {
+        ASSERT_EQ(interval.rgba[i], pixel.rgba[i]);
+      }
+      most = std::max(most, std::abs(interval.rgba[i] - pixel.rgba[i]));
+    }
+    EXPECT_GT(most, 0.01f) << "the case does not tell";
+    EXPECT_TRUE(same_bits(pixel, render(scene, {.tile_px = 7, .normalisation = Normalisation::pixel})));
+
+    // One colour is what it is however it is weighted; and a front that stands still keeps its weights.
+    Scene one_color = stage(), still = stage();
+    one_color.model.coverage = still.model.coverage = coverage;
+    one_color.objects = {checkered_sphere(0.8, 900)};
+    move(one_color.objects[0], {-0.6, -0.2, 0.3}, {0.5, 0.2, -0.3}, 0.5);
+    for (Eigen::Vector3f& color : one_color.objects[0].cloud.color) color = {0.75f, 0.5f, 0.25f};
+    Random random(3);
+    Object sheet;
+    sheet.cloud.keys.resize(1);
+    for (int i = 0; i < 800; ++i)
+      add_point(sheet, {random(-1.5, 1.5), random(-1, 1), 0.0}, {0.0, 0.0, 1.0}, 0.1,
+                Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
+    still.objects = {sheet};
+    for (const Scene& same : {one_color, still}) {
+      const Image a = render(same), b = render(same, per_pixel);
+      // Sums of up to some 50 kernels, in floats: 50 roundings on either way.
+      for (std::size_t i = 0; i < a.rgba.size(); ++i) ASSERT_NEAR(a.rgba[i], b.rgba[i], 100 * 0x1p-24) << i;
+    }
+  }
+}
+
 TEST(Abuffer, OrderOfPointsAndObjectsChangesNoBit) {
   Scene scene = particles();
   scene.objects.push_back(checkered_sphere(0.4, 200));

@@ -93,6 +93,8 @@ TEST_F(Command, BadArgumentsExitWith2AndLeaveNothing) {
       {"render", "{}scene.json", "-o", "{}a.%s.exr", "--frames", "1-3"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--method", "guess"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--samples", "4"},
+      {"render", "{}scene.json", "-o", "{}a.exr", "--normalisation", "frame"},
+      {"render", "{}scene.json", "-o", "{}a.exr", "--normalisation", "pixel", "--method", "reference"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--reference-motion", "smooth"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--method", "reference", "--samples", "3"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--method", "reference", "--samples", "0"},

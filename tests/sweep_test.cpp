@@ -39,14 +39,15 @@ struct Planted {
     fragments.z_rate[i] = f.z_rate;
     shades.push_back(shade);
   }
-  PixelSum sweep(Coverage coverage = Coverage::soft, double edge_weight = 0.5) {
+  PixelSum sweep(Coverage coverage = Coverage::soft, double edge_weight = 0.5,
+                 Normalisation normalisation = Normalisation::interval) {
     ImageModel model;
     model.coverage = coverage;
     model.edge_weight = edge_weight;
     std::vector<std::uint32_t> indices(fragments.count);
     std::iota(indices.begin(), indices.end(), 0u);
     PixelSum pixel;
-    PixelSweep(SurfaceModel(model))
+    PixelSweep(SurfaceModel(model, normalisation))
         .resolve(fragments, shades, indices.data(), indices.size(), pixel, counters);
     return pixel;
   }
@@ -114,7 +115,7 @@ TEST(Sweep, CoverageOfAnyLoneStreakIsItsIntegral) {
 
 TEST(Sweep, NormalisationIsPerInstantAndNotPerPixel) {
   // Two kernels share a surface in the first half; one is alone in the second. Per pixel the weights would
-  // mix the halves: ∫ρw / ∫ρ = (0.25, 0.75).
+  // mix the halves: ∫ρw / ∫ρ = (1/3, 2/3).
   Planted p;
   p.add({.t_begin = 0.0f, .t_end = 0.5f}, red);
   p.add({.t_begin = 0.0f, .t_end = 1.0f}, green);
@@ -125,6 +126,42 @@ TEST(Sweep, NormalisationIsPerInstantAndNotPerPixel) {
   heavier.add({.t_begin = 0.0f, .t_end = 0.5f, .peak = 0.6f}, red);
   heavier.add({.t_begin = 0.0f, .t_end = 1.0f, .peak = 0.6f}, green);
   EXPECT_NEAR(heavier.sweep().rgba[0], 0.25, few_roundings);
+}
+
+TEST(Sweep, NormalisationPerPixelDividesByTheWholeExposure) {
+  // Green is hidden until the red streak in front of it ends. Both cover all of the pixel, so per interval
+  // each has half of the exposure; per pixel, its share of the visible ∫ρ: √π erf(0.8)/3.2 of red, 0.6 · ½ of
+  // green.
+  const auto planted = [] {
+    Planted p;
+    p.add({.t_begin = 0.0f, .t_end = 0.5f, .y = -0.8f, .rate = 3.2f, .z = 1.0f}, red);
+    p.add({.t_begin = 0.125f, .t_end = 1.0f, .peak = 0.6f, .z = 5.0f}, green);
+    return p;
+  };
+  const PixelSum interval = planted().sweep();
+  EXPECT_NEAR(interval.rgba[0], 0.5, few_roundings);
+  EXPECT_NEAR(interval.rgba[1], 0.5, few_roundings);
+  const PixelSum pixel = planted().sweep(Coverage::soft, 0.5, Normalisation::pixel);
+  const double seen_red = std::sqrt(std::numbers::pi) * std::erf(0.8) / 3.2, seen_green = 0.3;
+  EXPECT_NEAR(pixel.rgba[0], seen_red / (seen_red + seen_green), few_roundings);
+  EXPECT_NEAR(pixel.rgba[1], seen_green / (seen_red + seen_green), few_roundings);
+  EXPECT_EQ(pixel.rgba[3], interval.rgba[3]);
+  EXPECT_EQ(pixel.depth, interval.depth);
+  // The exposure's alpha is kept: of what covers a third of the time, a third.
+  Planted brief;
+  brief.add({.t_end = 0.25f}, red);
+  brief.add({.t_begin = 0.125f, .t_end = 0.375f}, green);
+  const PixelSum third = brief.sweep(Coverage::hard, 0.5, Normalisation::pixel);
+  EXPECT_NEAR(third.rgba[0], 0.375 / 2, few_roundings);
+  EXPECT_NEAR(third.rgba[1], 0.375 / 2, few_roundings);
+  EXPECT_DOUBLE_EQ(third.rgba[3], 0.375);
+  // Opacity is a kernel's own: with equal ρ a half transparent front lets half of the light through.
+  Planted veil;
+  veil.add({.t_end = 0.5f, .z = 2.0f}, half_blue);
+  veil.add({.z = 3.0f}, green);
+  const PixelSum veiled = veil.sweep(Coverage::soft, 0.5, Normalisation::pixel);
+  EXPECT_NEAR(veiled.rgba[1], 0.75, few_roundings);
+  EXPECT_NEAR(veiled.rgba[2], 0.25, few_roundings);
 }
 
 TEST(Sweep, CrossingSurfacesSwapWhereTheirDepthsDo) {

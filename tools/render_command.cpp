@@ -35,12 +35,12 @@ namespace {
 
 struct RenderArguments {
   std::string scene, output, preview, stats;
-  std::string method = "abuffer", motion = "segments";
+  std::string method = "abuffer", motion = "segments", normalisation = "interval";
   std::vector<int> frames;  ///< empty: the scene's own
   std::optional<int> samples, subframes;
   std::string gpu;
-  bool lookup_tables = false, clamp_motion = false, motion_given = false, overwrite = false,
-       skip_existing = false, dry_run = false;
+  bool lookup_tables = false, clamp_motion = false, motion_given = false, normalisation_given = false,
+       overwrite = false, skip_existing = false, dry_run = false;
   int threads = 0;
   std::shared_ptr<const SceneOverrides> overrides;
 };
@@ -59,6 +59,7 @@ void check_method_options(const RenderArguments& arguments) {
   };
   const bool reference = arguments.method == "reference", six_pass = arguments.method == "gpu";
   const bool gpu = six_pass || arguments.method == "gpu-still";
+  check("--normalisation", arguments.normalisation_given, "abuffer", arguments.method == "abuffer");
   check("--samples", arguments.samples.has_value(), "reference", reference);
   check("--reference-motion", arguments.motion_given, "reference", reference);
   check("--subframes", arguments.subframes.has_value(), "gpu or gpu-still", gpu);
@@ -88,9 +89,11 @@ Method choose_method(const RenderArguments& arguments) {
   if (arguments.method == "abuffer") {
     AbufferOptions options;
     options.threads = arguments.threads;
+    const bool per_pixel = arguments.normalisation == "pixel";
+    options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
     return {[options](const Scene& scene) { return render_abuffer(scene, options); },
-            {{"threads", options.threads}},
-            "abuffer"};
+            {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
+            per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
   }
   ReferenceOptions options;
   options.threads = arguments.threads;
@@ -290,6 +293,13 @@ void add_render_command(CLI::App& app, int& exit_code) {
           "averaged there")
       ->check(CLI::IsMember({"abuffer", "reference", "gpu", "gpu-still"}))
       ->capture_default_str();
+  const auto* normalisation =
+      command
+          ->add_option("--normalisation", arguments->normalisation,
+                       "What the A-buffer divides weights by: those of every visible interval, or once per "
+                       "pixel, as Heinzle et al. 2010 do, which is another image")
+          ->check(CLI::IsMember({"interval", "pixel"}))
+          ->capture_default_str();
   command->add_option("--samples", arguments->samples, "Still images of the reference, even [256]");
   const auto* motion =
       command
@@ -318,7 +328,8 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--stats-json", arguments->stats, "Write counts and times of every frame")
       ->type_name("FILE.json");
   arguments->overrides = add_scene_options(*command);
-  command->callback([arguments, motion, &exit_code] {
+  command->callback([arguments, motion, normalisation, &exit_code] {
+    arguments->normalisation_given = normalisation->count() > 0;
     arguments->motion_given = motion->count() > 0;
     exit_code = render(*arguments);
   });
