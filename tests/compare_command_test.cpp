@@ -75,6 +75,7 @@ TEST_F(CompareCommand, PrintsJsonAlone) {
   EXPECT_EQ(report.at("identical"), false);
   EXPECT_EQ(report.at("pixels"), 16 * 12);
   EXPECT_NEAR(report.at("psnr_db").get<double>(), 18.0618, 5e-5);
+  EXPECT_GT(report.at("flip"), 0.0);
 
   const nlohmann::json same = nlohmann::json::parse(run({a_, a_, "--json"}).out);
   EXPECT_EQ(same.at("identical"), true);

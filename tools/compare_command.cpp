@@ -37,6 +37,7 @@ void print_json(const CompareArguments& arguments, const ImageMetrics& m) {
                                          {"rmse", m.rmse},
                                          {"psnr_db", m.psnr_db},
                                          {"ssim", m.ssim},
+                                         {"flip", m.flip},
                                          {"max_abs", m.max_abs},
                                          {"max_abs_pixel", {m.max_abs_x, m.max_abs_y}},
                                          {"share_over_1_255", m.share_over_1_255},
@@ -55,6 +56,7 @@ void print_text(const ImageMetrics& m) {
   fmt::print("rmse        {:.6g}\n", m.rmse);
   fmt::print("psnr        {:.3f} dB\n", m.psnr_db);
   fmt::print("ssim        {:.6f}\n", m.ssim);
+  fmt::print("flip        {:.6f}\n", m.flip);
   fmt::print("worst       {:.6g} at pixel {}, {}\n", m.max_abs, m.max_abs_x, m.max_abs_y);
   fmt::print("over 1/255  {:.4f} % of the pixels\n", 100.0 * m.share_over_1_255);
   fmt::print("alpha       rmse {:.6g}, worst {:.6g}\n", m.alpha_rmse, m.alpha_max_abs);
@@ -110,7 +112,7 @@ std::string check_difference_name(const std::string& name) {
 void add_compare_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
-      "compare", "Compare two EXR images on linear RGB: RMSE, PSNR (peak 1), SSIM, worst pixel");
+      "compare", "Compare two EXR images on linear RGB: RMSE, PSNR (peak 1), SSIM, FLIP, worst pixel");
   command->add_option("a", arguments->a, "The image that is right")->required();
   command->add_option("b", arguments->b, "The image to judge")->required();
   command->add_flag(

@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "tools/flip.h"
+
 namespace swept {
 namespace {
 
@@ -83,6 +85,17 @@ std::vector<double> luminance(const Image& image, const Window& window) {
   return plane;
 }
 
+Image cropped(const Image& image, const Window& window) {
+  Image part{window.left, window.top, window.width(), window.height(), image.film_width, image.film_height,
+             {},          {}};
+  part.rgba.reserve(4 * window.pixels());
+  for (int y = window.top; y < window.bottom; ++y) {
+    const float* row = pixel_at(image, window.left, y);
+    part.rgba.insert(part.rgba.end(), row, row + 4 * window.width());
+  }
+  return part;
+}
+
 /// Sums over the pixels seen so far.
 struct Tally {
   ImageMetrics metrics;
@@ -146,6 +159,7 @@ Result<ImageMetrics> compare_images(const Image& a, const Image& b, const Compar
   }
   ImageMetrics metrics = tally.finish(window.pixels());
   metrics.ssim = mean_ssim(luminance(a, window), luminance(b, window), window.width(), window.height());
+  metrics.flip = mean_flip(cropped(a, window), cropped(b, window));
   return metrics;
 }
 

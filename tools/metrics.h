@@ -24,6 +24,9 @@ struct ImageMetrics {
   /// σ 1.5 px, K₁ 0.01, K₂ 0.03, dynamic range 1. Over the windows that lie wholly within the image and hold
   /// no non-finite pixel, as in the paper; NaN if there is none.
   double ssim = 0.0;
+  /// Mean FLIP at 67 pixels per degree, in [0, 1]: what an observer sees of the difference (flip.h). Over the
+  /// pixels that no non-finite pixel reaches; NaN if there is none.
+  double flip = 0.0;
   double max_abs = 0.0;              ///< largest |d| of a channel; NaN with rmse
   int max_abs_x = 0, max_abs_y = 0;  ///< its pixel on the film, the first in row order
   double share_over_1_255 = 0.0;     ///< of pixels with a channel more than 1/255 apart, in [0, 1]
