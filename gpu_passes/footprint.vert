@@ -1,9 +1,9 @@
-// The convex hull of a kernel's two boxes, drawn as a fan of six triangles. Source: Heinzle et al. 2010, section
+// The convex hull of a kernel's two boxes, drawn as a triangle fan. Source: Heinzle et al. 2010, section
 // 4.3 and Fig. 5; the geometry shader of the paper is a choice between two corners here.
 //
 // Around the hull, each corner of the boxes gives two vertices: the box that reaches farther towards the side
 // one comes from, then the box that reaches farther towards the side one goes to. Where one box does both,
-// they coincide and their triangle is empty.
+// they coincide and their triangle is empty. The box of one disc alone is a fan of four vertices.
 
 #include "frame.glsl"
 
@@ -39,8 +39,7 @@ void main() {
 
   vec4 first = geometry == 1 ? in_box_close : in_box_open;
   vec4 second = geometry == 0 ? in_box_open : in_box_close;
-  int triangle = gl_VertexID / 3, place = gl_VertexID % 3;
-  int vertex = place == 0 ? 0 : triangle + place;
+  int vertex = geometry == 2 ? gl_VertexID : 2 * gl_VertexID;
   int corner = vertex / 2;
   vec2 a = corner_of(first, corner), b = corner_of(second, corner);
   // The corners in turn: low-low, high-low, high-high, low-high.

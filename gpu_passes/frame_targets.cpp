@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <string>
 
+#include "gpu_passes/gl_errors.h"
+
 namespace swept {
 namespace {
 
 GlTexture make_texture(GLenum format, int width, int height) {
   GlTexture texture = GlTexture::make();
+  glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture.name());
   glTexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
@@ -40,7 +43,7 @@ Result<FrameTargets> FrameTargets::create(int width, int height) {
     targets.textures_[static_cast<std::size_t>(i)] =
         make_texture(internal_format(static_cast<Target>(i)), width, height);
   targets.depth_ = make_texture(GL_DEPTH_COMPONENT32F, width, height);
-  if (glGetError() != GL_NO_ERROR) return Error{"", "/film", "not enough memory on the GPU for the window"};
+  if (Status status = take_errors("targets were made for the window"); !status) return status.error();
   return targets;
 }
 
@@ -62,15 +65,28 @@ Result<GlFramebuffer> FrameTargets::framebuffer(const Pass& pass) const {
   return framebuffer;
 }
 
-std::vector<float> FrameTargets::read(Target target) const {
-  const int count = channels(target);
-  std::vector<float> values(static_cast<std::size_t>(count) * static_cast<std::size_t>(width_) *
-                            static_cast<std::size_t>(height_));
+void FrameTargets::read_to(Target target, void* to) const {
+  glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture(target));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glGetTexImage(GL_TEXTURE_2D, 0, read_format(count), GL_FLOAT, values.data());
+  glGetTexImage(GL_TEXTURE_2D, 0, read_format(channels(target)), GL_FLOAT, to);
   glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+std::vector<float> FrameTargets::read(Target target) const {
+  std::vector<float> values(value_count(target));
+  read_to(target, values.data());
   return values;
+}
+
+void FrameTargets::read_into_buffer(Target target, std::size_t offset) const {
+  // With a pixel-pack buffer bound, OpenGL takes the address for an offset in it.
+  read_to(target, reinterpret_cast<void*>(offset));
+}
+
+std::size_t FrameTargets::value_count(Target target) const {
+  return static_cast<std::size_t>(channels(target)) * static_cast<std::size_t>(width_) *
+         static_cast<std::size_t>(height_);
 }
 
 }  // namespace swept

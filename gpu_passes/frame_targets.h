@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "gpu_passes/gl_object.h"
@@ -24,11 +25,15 @@ class FrameTargets {
 
   /// A framebuffer of the pass's targets, and a depth buffer if it tests depth.
   [[nodiscard]] Result<GlFramebuffer> framebuffer(const Pass& pass) const;
-  /// channels(target) floats per pixel, rows top to bottom.
+  /// channels(target) floats per pixel, rows top to bottom; waits for the GPU.
   [[nodiscard]] std::vector<float> read(Target target) const;
+  /// The same into the bound pixel-pack buffer, from byte `offset` on, without waiting.
+  void read_into_buffer(Target target, std::size_t offset) const;
+  [[nodiscard]] std::size_t value_count(Target target) const;
 
  private:
   FrameTargets() = default;
+  void read_to(Target target, void* to) const;
 
   int width_ = 0, height_ = 0;
   std::array<GlTexture, target_count> textures_;

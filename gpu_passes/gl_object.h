@@ -94,4 +94,35 @@ using GlQuery = GlObject<gl_kind::Query>;
 using GlShader = GlObject<gl_kind::Shader>;
 using GlProgram = GlObject<gl_kind::Program>;
 
+/// A place in the stream of commands that one can wait for. Move-only; nothing to wait for when empty.
+class GlFence {
+ public:
+  GlFence() = default;
+  [[nodiscard]] static GlFence make() {
+    GlFence fence;
+    fence.sync_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    return fence;
+  }
+  GlFence(GlFence&& other) noexcept : sync_(std::exchange(other.sync_, nullptr)) {}
+  GlFence& operator=(GlFence&& other) noexcept {
+    std::swap(sync_, other.sync_);
+    return *this;
+  }
+  ~GlFence() {
+    if (sync_ != nullptr) glDeleteSync(sync_);
+  }
+
+  /// Until the GPU is there. False where it will never be: the device is gone.
+  [[nodiscard]] bool wait() const {
+    if (sync_ == nullptr) return true;
+    constexpr GLuint64 second = 1'000'000'000;
+    GLenum state = GL_TIMEOUT_EXPIRED;
+    while (state == GL_TIMEOUT_EXPIRED) state = glClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, second);
+    return state != GL_WAIT_FAILED;
+  }
+
+ private:
+  GLsync sync_ = nullptr;
+};
+
 }  // namespace swept

@@ -1,10 +1,14 @@
 #include "gpu_passes/gpu_renderer.h"
 
+#include <algorithm>
+#include <deque>
 #include <limits>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "gpu_passes/context.h"
+#include "gpu_passes/gl_errors.h"
 #include "gpu_passes/pass_runner.h"
 #include "gpu_passes/subframes.h"
 #include "splat/stopwatch.h"
@@ -25,14 +29,13 @@ FrameBlock frame_block(const Scene& scene, const PixelWindow& window, int subfra
   return block;
 }
 
-Image image_of(const Film& film, std::vector<float> color, const std::vector<float>& depth) {
-  Image image = blank_image(film);
-  image.rgba = std::move(color);
+/// `image` has its size. `weighted_depth`: Σ alpha z, Σ alpha.
+void fill(Image& image, std::span<const float> color, std::span<const float> weighted_depth) {
+  std::copy(color.begin(), color.end(), image.rgba.begin());
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
-    const float alpha = depth[2 * i + 1];
-    image.depth[i] = alpha > 0.0f ? depth[2 * i] / alpha : std::numeric_limits<float>::infinity();
+    const float alpha = weighted_depth[2 * i + 1];
+    image.depth[i] = alpha > 0.0f ? weighted_depth[2 * i] / alpha : std::numeric_limits<float>::infinity();
   }
-  return image;
 }
 
 /// Sums over sub-frames.
@@ -47,6 +50,15 @@ struct Counts {
     degenerate += static_cast<double>(set.culled_degenerate);
     near += static_cast<double>(set.culled_near);
     drawn += static_cast<double>(instances);
+  }
+  void report(Statistics& statistics) const {
+    statistics.count("surfels", static_cast<double>(surfels));
+    statistics.count("kernels", kernels);
+    statistics.count("kernels_still", still);
+    statistics.count("culled_degenerate", degenerate);
+    statistics.count("culled_near", near);
+    statistics.count("culled_outside", kernels - drawn);
+    statistics.count("kernels_drawn", drawn);
   }
 };
 
@@ -75,6 +87,8 @@ void describe(const Scene& scene, const GpuRenderOptions& options, const Subfram
 Status GpuOptions::validate() const {
   if (batch_kernels < 1 || batch_kernels > (std::size_t{1} << 22))
     return Error{"", "batch_kernels", "must be in [1, 4194304]"};
+  if (frames_in_flight < 1 || frames_in_flight > 16)
+    return Error{"", "frames_in_flight", "must be in [1, 16]"};
   return Done{};
 }
 
@@ -101,9 +115,10 @@ class GpuRenderer::Implementation {
     if (Status status = options.validate(); !status) return status.error();
     Result<GlContext> context = GlContext::create(options.device);
     if (!context) return context.error();
-    std::unique_ptr<Implementation> made(new Implementation(std::move(*context)));
+    std::unique_ptr<Implementation> made(new Implementation(std::move(*context), options.frames_in_flight));
     const CurrentContext current(made->context_);
     if (Status status = current.status(); !status) return status.error();
+    keep_error_messages();
     Result<PassRunner> runner = PassRunner::create(options.batch_kernels);
     if (!runner) return runner.error();
     made->runner_.emplace(std::move(*runner));
@@ -112,6 +127,8 @@ class GpuRenderer::Implementation {
 
   ~Implementation() {
     const CurrentContext current(context_);
+    pending_.clear();
+    spare_buffer_ = {};
     runner_.reset();
   }
   Implementation(const Implementation&) = delete;
@@ -119,19 +136,27 @@ class GpuRenderer::Implementation {
 
   const GpuDevice& device() const { return context_.device(); }
 
-  Result<Rendered> render(const Scene& scene, const GpuRenderOptions& options) {
+  std::size_t pending() const { return pending_.size(); }
+  std::size_t most_pending() const { return most_pending_; }
+
+  Status submit(const Scene& scene, const GpuRenderOptions& options) {
+    if (pending_.size() == most_pending_)
+      return Error{"", "frames_in_flight", std::to_string(most_pending_) + " are pending; collect one first"};
     const CurrentContext current(context_);
-    if (Status status = current.status(); !status) return status.error();
+    if (Status status = current.status(); !status) return status;
+    // What the device says by now about earlier frames is theirs.
+    if (Status status = take_errors("the frame was drawn");
+        !status && !pending_.empty() && !pending_.back().late_error)
+      pending_.back().late_error = status.error();
     const PixelWindow window{scene.film.crop_x, scene.film.crop_y, scene.film.window_width(),
                              scene.film.window_height()};
     Stopwatch watch;
     double seconds_kernels = 0.0, seconds_issue = 0.0;
-    Status begun = runner_->begin_frame(window.width, window.height,
-                                        options.method == GpuMethod::still ? still_passes() : six_passes(),
-                                        options.lookup_tables);
-    if (!begun) return begun.error();
     Subframes subframes(scene, options);
-    const FrameBlock block = frame_block(scene, window, subframes.count());
+    const FrameSetup setup{window.width, window.height,
+                           options.method == GpuMethod::still ? still_passes() : six_passes(),
+                           options.lookup_tables, frame_block(scene, window, subframes.count())};
+    if (Status status = runner_->begin_frame(setup); !status) return status;
     Counts counts;
     const double seconds_begin = watch.lap();
     for (int j = 0; j < subframes.count(); ++j) {
@@ -139,39 +164,60 @@ class GpuRenderer::Implementation {
       const std::vector<Instance> instances = make_instances(set, window);
       counts.add(set, instances.size());
       seconds_kernels += watch.lap();
-      runner_->draw_subframe(instances, block);
+      runner_->draw_subframe(instances);
       seconds_issue += watch.lap();
     }
-    if (Status status = runner_->end_frame(); !status) return status.error();
-    const double seconds_wait = watch.lap();
-    Rendered out;
-    out.image = image_of(scene.film, runner_->read(Target::frame_color), runner_->read(Target::frame_depth));
-
-    Statistics& statistics = out.statistics;
+    Result<DrawnFrame> drawn = runner_->end_frame(std::exchange(spare_buffer_, {}));
+    if (!drawn) return drawn.error();
+    Statistics statistics;
     statistics.time("set up", seconds_begin);
     statistics.time("kernels", seconds_kernels);
-    statistics.time("upload and issue", seconds_issue);
-    statistics.time("wait for the GPU", seconds_wait);
-    statistics.time("read back", watch.lap());
-    for (const auto& [pass, seconds] : runner_->pass_seconds()) statistics.time(pass + ", GPU", seconds);
+    statistics.time("upload and issue", seconds_issue + watch.lap());
+    counts.report(statistics);
     statistics.count("subframes", subframes.count());
-    statistics.count("surfels", static_cast<double>(counts.surfels));
-    statistics.count("kernels", counts.kernels);
-    statistics.count("kernels_still", counts.still);
-    statistics.count("culled_degenerate", counts.degenerate);
-    statistics.count("culled_near", counts.near);
-    statistics.count("culled_outside", counts.kernels - counts.drawn);
-    statistics.count("kernels_drawn", counts.drawn);
-    statistics.count("batches", static_cast<double>(runner_->batches()));
+    statistics.count("batches", static_cast<double>(drawn->batches));
     describe(scene, options, subframes, statistics);
+    pending_.push_back({std::move(*drawn), scene.film, std::move(statistics), {}});
+    return Done{};
+  }
+
+  Result<Rendered> collect() {
+    if (pending_.empty()) return Error{"", "", "no frame was submitted"};
+    const CurrentContext current(context_);
+    if (Status status = current.status(); !status) return status.error();
+    Pending frame = std::move(pending_.front());
+    pending_.pop_front();
+    Stopwatch watch;
+    if (Status status = runner_->wait(frame.drawn); !status) return status.error();
+    if (frame.late_error) return *frame.late_error;
+    frame.statistics.time("wait for the GPU", watch.lap());
+    Rendered out{blank_image(frame.film), std::move(frame.statistics)};
+    const Status read = frame.drawn.pixels.read(
+        [&](std::span<const float> color, std::span<const float> depth) { fill(out.image, color, depth); });
+    if (!read) return read.error();
+    spare_buffer_ = frame.drawn.pixels.take_buffer();
+    out.statistics.time("read back", watch.lap());
+    for (std::size_t i = 0; i < frame.drawn.seconds->size(); ++i)
+      out.statistics.time(std::string(frame.drawn.passes[i].name) + ", GPU", (*frame.drawn.seconds)[i]);
     return out;
   }
 
  private:
-  explicit Implementation(GlContext context) : context_(std::move(context)) {}
+  struct Pending {
+    DrawnFrame drawn;
+    Film film;
+    Statistics statistics;
+    std::optional<Error> late_error;
+  };
+
+  Implementation(GlContext context, std::size_t most_pending)
+      : context_(std::move(context)), most_pending_(most_pending) {}
 
   GlContext context_;
   std::optional<PassRunner> runner_;
+  std::deque<Pending> pending_;
+  PixelBuffer spare_buffer_;
+  std::size_t most_pending_;
 };
 
 Result<GpuRenderer> GpuRenderer::create(const GpuOptions& options) {
@@ -188,15 +234,33 @@ GpuRenderer::~GpuRenderer() = default;
 
 const GpuDevice& GpuRenderer::device() const { return implementation_->device(); }
 
-Result<Rendered> GpuRenderer::render(const Scene& scene, const GpuRenderOptions& options) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  if (Status status = check_gpu_scene(scene); !status) return status.error();
+std::size_t GpuRenderer::pending() const { return implementation_->pending(); }
+std::size_t GpuRenderer::most_pending() const { return implementation_->most_pending(); }
+
+Status GpuRenderer::submit(const Scene& scene, const GpuRenderOptions& options) {
+  if (Status status = options.validate(); !status) return status;
+  if (Status status = scene.validate(); !status) return status;
+  if (Status status = check_gpu_scene(scene); !status) return status;
   try {
-    return implementation_->render(scene, options);
+    return implementation_->submit(scene, options);
   } catch (const std::bad_alloc&) {
     return Error{"", "", "not enough memory to render the frame"};
   }
+}
+
+Result<Rendered> GpuRenderer::collect() {
+  try {
+    return implementation_->collect();
+  } catch (const std::bad_alloc&) {
+    return Error{"", "", "not enough memory to read the frame back"};
+  }
+}
+
+Result<Rendered> GpuRenderer::render(const Scene& scene, const GpuRenderOptions& options) {
+  if (pending() > 0)
+    return Error{"", "frames_in_flight", std::to_string(pending()) + " are pending; collect them first"};
+  if (Status status = submit(scene, options); !status) return status.error();
+  return collect();
 }
 
 }  // namespace swept

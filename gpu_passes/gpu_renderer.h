@@ -45,6 +45,9 @@ struct GpuOptions {
   /// device that works, and one that is the processor itself only after all others.
   std::string device;
   std::size_t batch_kernels = 1u << 17;  ///< kernels in one buffer; [1, 2²²]. Changes no bit
+  /// Frames that may be submitted before the first of them is collected; [1, 16]. Two let one be read back
+  /// while the next is drawn; each takes 24 bytes per pixel of the device's memory.
+  std::size_t frames_in_flight = 2;
 
   [[nodiscard]] Status validate() const;
 };
@@ -70,6 +73,9 @@ struct GpuRenderOptions {
 [[nodiscard]] Status check_gpu_scene(const Scene& scene);
 
 /// Renders scenes one after the other. One thread at a time; which one does not matter.
+///
+/// render() is for one frame. Where there are several, submit() the next before collect() of the last: then
+/// the device draws the one while the other is read back, converted and written. The images are the same.
 class GpuRenderer {
  public:
   [[nodiscard]] static Result<GpuRenderer> create(const GpuOptions& options = {});
@@ -79,10 +85,26 @@ class GpuRenderer {
 
   [[nodiscard]] const GpuDevice& device() const;
 
-  /// The film window of the scene. Statistics time each pass by the GPU's own clock, summed over sub-frames.
-  /// Errors: options or scene out of range, opacity below 1, a film larger than the device's, and not enough
-  /// memory on either side. Stays usable after an error.
+  /// The film window of the scene, drawn and collected. Errors: as of submit() and collect(), and frames that
+  /// are still to be collected. Stays usable after an error.
   [[nodiscard]] Result<Rendered> render(const Scene& scene, const GpuRenderOptions& options = {});
+
+  /// Has the device draw the scene, and returns before it has; the scene is not needed any more. With many
+  /// sub-frames it waits until all but the last two are drawn.
+  /// Errors: options or scene out of range, opacity below 1, a film larger than the device's, not enough
+  /// memory on either side, GpuOptions::frames_in_flight frames that are to be collected first. What was
+  /// submitted before is still to be had.
+  [[nodiscard]] Status submit(const Scene& scene, const GpuRenderOptions& options = {});
+
+  /// The frame submitted first of those not collected; waits until it is drawn. Statistics time each pass by
+  /// the GPU's own clock where it has one, summed over sub-frames. Errors: nothing is pending, not enough
+  /// memory, a device that is lost. Such a frame is gone, the others are not.
+  [[nodiscard]] Result<Rendered> collect();
+
+  /// Frames submitted and not collected.
+  [[nodiscard]] std::size_t pending() const;
+  /// GpuOptions::frames_in_flight.
+  [[nodiscard]] std::size_t most_pending() const;
 
  private:
   class Implementation;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
+#include "gpu_passes/gl_errors.h"
 #include "gpu_passes/program.h"
 
 namespace swept {
@@ -80,44 +83,48 @@ Result<PassRunner> PassRunner::create(std::size_t batch_kernels) {
   runner.frame_block_ = GlBuffer::make();
   runner.empty_vertex_array_ = GlVertexArray::make();
   runner.table_ = make_table();
+  runner.timed_ = PassTimers::available();
+  // What no pass changes.
+  glDepthFunc(GL_GREATER);
+  if (Status status = take_errors("setting up"); !status) return status.error();
   return runner;
 }
 
-Status PassRunner::begin_frame(int width, int height, std::span<const Pass> passes, bool lookup_tables) {
-  while (glGetError() != GL_NO_ERROR) {
+Status PassRunner::prepare_targets(const FrameSetup& setup) {
+  const bool resized = !targets_ || targets_->width() != setup.width || targets_->height() != setup.height;
+  if (!resized && setup.passes.data() == passes_.data()) return Done{};
+  framebuffers_.clear();
+  passes_ = {};
+  if (resized) {
+    targets_.reset();
+    Result<FrameTargets> targets = FrameTargets::create(setup.width, setup.height);
+    if (!targets) return targets.error();
+    targets_ = std::move(*targets);
   }
-  const bool resized = !targets_ || targets_->width() != width || targets_->height() != height;
-  if (resized || passes.data() != passes_.data()) {
-    framebuffers_.clear();
-    passes_ = {};
-    if (resized) {
-      targets_.reset();
-      Result<FrameTargets> targets = FrameTargets::create(width, height);
-      if (!targets) return targets.error();
-      targets_ = std::move(*targets);
-    }
-    for (const Pass& pass : passes) {
-      Result<GlFramebuffer> framebuffer = targets_->framebuffer(pass);
-      if (!framebuffer) {
-        framebuffers_.clear();
-        return framebuffer.error();
-      }
-      framebuffers_.push_back(std::move(*framebuffer));
-    }
-    passes_ = passes;
-    for (std::vector<GlQuery>& set : timers_) {
-      set.clear();
-      for (std::size_t i = 0; i < passes.size(); ++i) set.push_back(GlQuery::make());
-    }
+  for (const Pass& pass : setup.passes) {
+    Result<GlFramebuffer> framebuffer = targets_->framebuffer(pass);
+    if (!framebuffer) return framebuffer.error();
+    framebuffers_.push_back(std::move(*framebuffer));
   }
-  lookup_tables_ = lookup_tables;
-  seconds_.assign(passes.size(), 0.0);
-  timing_ = {};
+  passes_ = setup.passes;
+  return Done{};
+}
+
+Status PassRunner::begin_frame(const FrameSetup& setup) {
+  if (Status status = prepare_targets(setup); !status) return status;
+  lookup_tables_ = setup.lookup_tables;
+  seconds_ = std::make_shared<std::vector<double>>(timed_ ? passes_.size() : 0, 0.0);
   most_batches_ = 0;
-  for (std::size_t i = 0; i < passes.size(); ++i) {
-    if (passes[i].clears) continue;
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_block_.name());
+  glBufferData(GL_UNIFORM_BUFFER, sizeof(setup.block), &setup.block, GL_STREAM_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block_.name());
+  glActiveTexture(GL_TEXTURE0 + table_unit);
+  glBindTexture(GL_TEXTURE_2D, table_.name());
+  glViewport(0, 0, setup.width, setup.height);
+  for (std::size_t i = 0; i < passes_.size(); ++i) {
+    if (passes_[i].clears) continue;
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i].name());
-    clear(passes[i]);
+    clear(passes_[i]);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   return Done{};
@@ -178,9 +185,11 @@ void PassRunner::draw(const Pass& pass) {
   } else {
     glUniform1i(program.geometry, static_cast<GLint>(pass.geometry));
     if (program.time >= 0) glUniform1f(program.time, pass.geometry == Geometry::open ? -0.5f : 0.5f);
+    // Corners of a box, or of an octagon.
+    const GLsizei vertices = pass.geometry == Geometry::tube ? 8 : 4;
     for (std::size_t i = 0; i < used_batches_; ++i) {
       glBindVertexArray(batches_[i].vertex_array.name());
-      glDrawArraysInstanced(GL_TRIANGLES, 0, 18, batches_[i].count);
+      glDrawArraysInstanced(GL_TRIANGLE_FAN, 0, vertices, batches_[i].count);
     }
   }
   for (const PassInput& input : pass.inputs) {
@@ -189,59 +198,37 @@ void PassRunner::draw(const Pass& pass) {
   }
 }
 
-void PassRunner::draw_subframe(std::span<const Instance> instances, const FrameBlock& block) {
+void PassRunner::draw_subframe(std::span<const Instance> instances) {
+  Subframe& subframe = subframes_[next_subframe_];
+  next_subframe_ = (next_subframe_ + 1) % subframes_.size();
+  // A device that is lost says so at the end of the frame.
+  static_cast<void>(subframe.done.wait());
+  subframe.timers.collect();
+  subframe.timers.start(seconds_);
   upload(instances);
-  glBindBuffer(GL_UNIFORM_BUFFER, frame_block_.name());
-  glBufferData(GL_UNIFORM_BUFFER, sizeof(block), &block, GL_STREAM_DRAW);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block_.name());
-  glActiveTexture(GL_TEXTURE0 + table_unit);
-  glBindTexture(GL_TEXTURE_2D, table_.name());
-
-  glViewport(0, 0, targets_->width(), targets_->height());
-  glDisable(GL_SCISSOR_TEST);
-  // A vertex that rounding has pushed across its neighbours turns a triangle over: what it covers, others do.
-  glEnable(GL_CULL_FACE);
-  glDepthFunc(GL_GREATER);
-  glDepthMask(GL_TRUE);
-  timer_set_ = 1 - timer_set_;
-  collect_timers(timer_set_);
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i].name());
-    glBeginQuery(GL_TIME_ELAPSED, timers_[timer_set_][i].name());
-    draw(passes_[i]);
-    glEndQuery(GL_TIME_ELAPSED);
+    subframe.timers.time(i, [&] { draw(passes_[i]); });
   }
-  timing_[timer_set_] = true;
   glBindVertexArray(0);
   glUseProgram(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  subframe.done = GlFence::make();
   glFlush();
 }
 
-void PassRunner::collect_timers(std::size_t set) {
-  if (!timing_[set]) return;
-  for (std::size_t i = 0; i < seconds_.size(); ++i) {
-    GLuint64 nanoseconds = 0;
-    glGetQueryObjectui64v(timers_[set][i].name(), GL_QUERY_RESULT, &nanoseconds);
-    seconds_[i] += 1e-9 * static_cast<double>(nanoseconds);
-  }
-  timing_[set] = false;
+Result<DrawnFrame> PassRunner::end_frame(PixelBuffer buffer) {
+  DrawnFrame frame{Readback(*targets_, std::move(buffer)), passes_, std::exchange(seconds_, {}),
+                   most_batches_};
+  if (Status status = take_errors("the frame was drawn"); !status) return status.error();
+  return frame;
 }
 
-Status PassRunner::end_frame() {
-  glFinish();
-  for (std::size_t set = 0; set < timers_.size(); ++set) collect_timers(set);
-  const GLenum error = glGetError();
-  if (error == GL_OUT_OF_MEMORY) return Error{"", "gpu", "not enough memory on the GPU"};
-  if (error != GL_NO_ERROR)
-    return Error{"", "gpu", "OpenGL error " + std::to_string(error) + " while drawing"};
-  return Done{};
-}
-
-std::vector<std::pair<std::string, double>> PassRunner::pass_seconds() const {
-  std::vector<std::pair<std::string, double>> list;
-  for (std::size_t i = 0; i < passes_.size(); ++i) list.emplace_back(passes_[i].name, seconds_[i]);
-  return list;
+Status PassRunner::wait(const DrawnFrame& frame) {
+  Status status = frame.pixels.wait();
+  for (Subframe& subframe : subframes_)
+    if (subframe.timers.frame() == frame.seconds) subframe.timers.collect();
+  return status ? take_errors("the frame was drawn") : status;
 }
 
 }  // namespace swept

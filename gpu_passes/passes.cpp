@@ -10,74 +10,75 @@ constexpr PassInput open_limit{"limit_open", Target::limit_open};
 constexpr PassInput close_limit{"limit_close", Target::limit_close};
 constexpr PassInput same_limit{"limit_close", Target::limit_open};
 
-Pass normalization(const char* name) {
-  return {name,
-          ProgramId::normalize,
-          Geometry::window,
-          {Target::frame_color, Target::frame_depth},
-          Blend::add,
-          false,
-          false,
-          0.0f,
-          {{"earliest", Target::earliest},
-           {"latest", Target::latest},
-           {"color_sum", Target::color_sum},
-           {"behind_sum", Target::behind_sum},
-           {"depth_sum", Target::depth_sum}}};
+Pass nearest_depth(const char* name, Geometry end, Target limit) {
+  return {.name = name,
+          .program = ProgramId::depth,
+          .geometry = end,
+          .targets = {limit},
+          .depth_test = true,
+          .clear_to = no_limit};
+}
+
+/// Cleared so that, where nothing is drawn, earliest is after latest.
+Pass earliest_time(const char* name) {
+  return {.name = name,
+          .program = ProgramId::earliest,
+          .geometry = Geometry::tube,
+          .targets = {Target::earliest},
+          .blend = Blend::minimum,
+          .clear_to = 2.0f,
+          .inputs = {open_limit, close_limit}};
+}
+Pass latest_time(const char* name) {
+  return {.name = name,
+          .program = ProgramId::latest,
+          .geometry = Geometry::tube,
+          .targets = {Target::latest},
+          .blend = Blend::maximum,
+          .clear_to = -1.0f,
+          .inputs = {open_limit, close_limit}};
+}
+
+/// The same time everywhere.
+Pass constant_time(const char* name, Target target, float time) {
+  return {.name = name,
+          .program = ProgramId::earliest,
+          .geometry = Geometry::nothing,
+          .targets = {target},
+          .clear_to = time};
 }
 
 Pass blending(const char* name, PassInput close) {
-  return {name,
-          ProgramId::blend,
-          Geometry::tube,
-          {Target::color_sum, Target::behind_sum, Target::depth_sum},
-          Blend::add,
-          false,
-          true,
-          0.0f,
-          {open_limit, close}};
+  return {.name = name,
+          .program = ProgramId::blend,
+          .geometry = Geometry::tube,
+          .targets = {Target::color_sum, Target::behind_sum, Target::depth_sum},
+          .blend = Blend::add,
+          .inputs = {open_limit, close}};
+}
+
+Pass normalization(const char* name) {
+  return {.name = name,
+          .program = ProgramId::normalize,
+          .geometry = Geometry::window,
+          .targets = {Target::frame_color, Target::frame_depth},
+          .blend = Blend::add,
+          .clears = false,
+          .inputs = {{"earliest", Target::earliest},
+                     {"latest", Target::latest},
+                     {"color_sum", Target::color_sum},
+                     {"behind_sum", Target::behind_sum},
+                     {"depth_sum", Target::depth_sum}}};
 }
 
 }  // namespace
 
 std::span<const Pass> six_passes() {
   static const std::vector<Pass> passes{
-      {"pass 1 depth at open",
-       ProgramId::depth,
-       Geometry::open,
-       {Target::limit_open},
-       Blend::replace,
-       true,
-       true,
-       no_limit,
-       {}},
-      {"pass 2 depth at close",
-       ProgramId::depth,
-       Geometry::close,
-       {Target::limit_close},
-       Blend::replace,
-       true,
-       true,
-       no_limit,
-       {}},
-      {"pass 3 earliest time",
-       ProgramId::earliest,
-       Geometry::tube,
-       {Target::earliest},
-       Blend::minimum,
-       false,
-       true,
-       2.0f,
-       {open_limit, close_limit}},
-      {"pass 4 latest time",
-       ProgramId::latest,
-       Geometry::tube,
-       {Target::latest},
-       Blend::maximum,
-       false,
-       true,
-       -1.0f,
-       {open_limit, close_limit}},
+      nearest_depth("pass 1 depth at open", Geometry::open, Target::limit_open),
+      nearest_depth("pass 2 depth at close", Geometry::close, Target::limit_close),
+      earliest_time("pass 3 earliest time"),
+      latest_time("pass 4 latest time"),
       blending("pass 5 blending", close_limit),
       normalization("pass 6 normalisation"),
   };
@@ -86,33 +87,9 @@ std::span<const Pass> six_passes() {
 
 std::span<const Pass> still_passes() {
   static const std::vector<Pass> passes{
-      {"depth",
-       ProgramId::depth,
-       Geometry::open,
-       {Target::limit_open},
-       Blend::replace,
-       true,
-       true,
-       no_limit,
-       {}},
-      {"earliest time",
-       ProgramId::earliest,
-       Geometry::nothing,
-       {Target::earliest},
-       Blend::replace,
-       false,
-       true,
-       0.0f,
-       {}},
-      {"latest time",
-       ProgramId::latest,
-       Geometry::nothing,
-       {Target::latest},
-       Blend::replace,
-       false,
-       true,
-       1.0f,
-       {}},
+      nearest_depth("depth", Geometry::open, Target::limit_open),
+      constant_time("earliest time", Target::earliest, 0.0f),
+      constant_time("latest time", Target::latest, 1.0f),
       blending("blending", same_limit),
       normalization("normalisation"),
   };

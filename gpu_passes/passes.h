@@ -51,10 +51,10 @@ struct Pass {
   Geometry geometry;
   std::vector<Target> targets;  ///< in the order of the shader's outputs
   Blend blend = Blend::replace;
-  bool depth_test = false;  ///< with a depth buffer of its own, nearest first
+  bool depth_test = false;  ///< nearest first, against a depth buffer cleared for this pass
   bool clears = true;       ///< to `clear_to`, all channels; else adds to what is there
   float clear_to = 0.0f;
-  std::vector<PassInput> inputs;
+  std::vector<PassInput> inputs = {};
 };
 
 /// The passes of a sub-frame of motion.

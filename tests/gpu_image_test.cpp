@@ -3,21 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include <epoxy/gl.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "abuffer/abuffer.h"
 #include "datasets/generators.h"
 #include "gpu_compare.h"
 #include "gpu_passes/clamp_motion.h"
-#include "gpu_passes/context.h"
-#include "gpu_passes/pass_runner.h"
 #include "gpu_passes/six_pass_twin.h"
 #include "gpu_passes/subframes.h"
 #include "gpu_stage.h"
@@ -303,69 +297,6 @@ TEST_F(GpuImage, RefusesWhatItCannotDoAndGoesOn) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().field, "/film");
   EXPECT_FALSE(render(spheres(), six(1)).rgba.empty());
-}
-
-std::size_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::size_t total = 0, resident = 0;
-  file >> total >> resident;
-  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
-
-TEST_F(GpuImage, ThirtyFramesTakeNoMoreMemoryThanSix) {
-  Scene scene = spheres();
-  scene.film.width = scene.film.height = 256;
-  scene.objects.pop_back();
-  const auto frames = [&](int count) {
-    for (int i = 0; i < count; ++i) render(scene, i % 2 == 0 ? six(1) : still(2));
-  };
-  frames(6);
-  const std::size_t before = resident_bytes();
-  frames(24);
-  // One colour target a frame would be 24 MiB, one upload of kernels a frame 12 MiB.
-  EXPECT_LT(resident_bytes(), before + 6u * (1u << 20));
-}
-
-/// OpenGL names in use, in the current context. Small numbers are given out first.
-int names_in_use() {
-  int count = 0;
-  for (GLuint name = 1; name < 2048; ++name)
-    count += glIsBuffer(name) + glIsTexture(name) + glIsFramebuffer(name) + glIsVertexArray(name) +
-             glIsQuery(name) + glIsProgram(name) + glIsShader(name);
-  return count;
-}
-
-TEST(GpuObjects, ThirtyFramesLeaveNoNamesBehind) {
-  const Result<GlContext> context = GlContext::create("");
-  if (!context) GTEST_SKIP() << context.error().message();
-  const CurrentContext current(*context);
-  ASSERT_EQ(names_in_use(), 0);
-  Subframes subframes(spheres(), six(1));
-  const KernelSet set = subframes.kernels(0);
-  {
-    Result<PassRunner> runner = PassRunner::create(1000);
-    ASSERT_TRUE(runner);
-    int after_first = 0;
-    for (int frame = 0; frame < 30; ++frame) {
-      const int size = frame % 3 == 0 ? 32 : 16;
-      ASSERT_TRUE(
-          runner->begin_frame(size, size, frame % 2 == 0 ? six_passes() : still_passes(), frame % 5 == 0));
-      FrameBlock block{};
-      block.window_size = {static_cast<float>(size), static_cast<float>(size)};
-      block.near_plane = static_cast<float>(set.near);
-      block.delta = 3.0f;
-      block.share = 1.0f;
-      runner->draw_subframe(make_instances(set, {32, 16, size, size}), block);
-      ASSERT_TRUE(runner->end_frame());
-      if (frame % 6 == 0) {
-        const int now = names_in_use();
-        if (frame == 0) after_first = now;
-        EXPECT_EQ(now, after_first);
-      }
-    }
-    EXPECT_GT(after_first, 0);
-  }
-  EXPECT_EQ(names_in_use(), 0);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "gpu_passes/pass_runner.h"
 #include "splat/kernel_set.h"
 #include "splat/scene.h"
 
@@ -27,6 +28,19 @@ inline Scene stage_scene() {
   scene.camera.near = 1.0;
   scene.model.coverage = Coverage::hard;
   return scene;
+}
+
+/// One sub-frame of kernels over all of the scene's film.
+inline FrameSetup stage_setup(const KernelSet& set, const Scene& scene, std::span<const Pass> passes) {
+  FrameSetup setup{scene.film.width, scene.film.height, passes, false, {}};
+  for (int c = 0; c < 4; ++c) setup.block.background[c] = scene.background[c];
+  setup.block.window_size = {static_cast<float>(setup.width), static_cast<float>(setup.height)};
+  setup.block.near_plane = static_cast<float>(set.near);
+  setup.block.delta = static_cast<float>(scene.model.delta);
+  setup.block.edge_weight =
+      scene.model.coverage == Coverage::hard ? 0.0f : static_cast<float>(scene.model.edge_weight);
+  setup.block.share = 1.0f;
+  return setup;
 }
 
 /// A disc facing the camera. `x`, `y` in px of the film at mid-shutter; `motion_px` to the right over the

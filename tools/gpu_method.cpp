@@ -7,26 +7,46 @@
 #include "gpu_passes/gpu_renderer.h"
 
 namespace swept {
+namespace {
 
-std::function<Result<Rendered>(const Scene&)> gpu_method(const GpuChoice& choice) {
-  const GpuOptions device{choice.device};
-  const GpuRenderOptions options{choice.still_frames ? GpuMethod::still : GpuMethod::six_pass,
-                                 choice.subframes, choice.lookup_tables, choice.clamp_motion};
-  const auto renderer = std::make_shared<std::optional<GpuRenderer>>();
-  return [=](const Scene& scene) -> Result<Rendered> {
-    if (!*renderer) {
-      Result<GpuRenderer> made = GpuRenderer::create(device);
+class GpuFrames : public FrameRenderer {
+ public:
+  explicit GpuFrames(const GpuChoice& choice)
+      : device_{choice.device},
+        options_{choice.still_frames ? GpuMethod::still : GpuMethod::six_pass, choice.subframes,
+                 choice.lookup_tables, choice.clamp_motion} {}
+
+  [[nodiscard]] std::size_t most_pending() const override { return device_.frames_in_flight; }
+
+  [[nodiscard]] Status submit(const Scene& scene) override {
+    if (!renderer_) {
+      Result<GpuRenderer> made = GpuRenderer::create(device_);
       if (!made) {
         // Not the scene's fault: names the option or the variable where a file would stand.
         const Error& error = made.error();
         return Error{error.field == "gpu" ? "--gpu" : error.field, "", error.reason};
       }
-      renderer->emplace(std::move(*made));
+      renderer_.emplace(std::move(*made));
     }
-    Result<Rendered> rendered = (*renderer)->render(scene, options);
-    if (rendered) rendered->statistics.effect("device: " + (*renderer)->device().renderer);
+    return renderer_->submit(scene, options_);
+  }
+
+  [[nodiscard]] Result<Rendered> collect() override {
+    Result<Rendered> rendered = renderer_->collect();
+    if (rendered) rendered->statistics.effect("device: " + renderer_->device().renderer);
     return rendered;
-  };
+  }
+
+ private:
+  GpuOptions device_;
+  GpuRenderOptions options_;
+  std::optional<GpuRenderer> renderer_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameRenderer> gpu_frames(const GpuChoice& choice) {
+  return std::make_unique<GpuFrames>(choice);
 }
 
 Result<std::vector<std::string>> describe_gpus() {

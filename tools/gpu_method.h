@@ -1,13 +1,12 @@
 // The GPU modes as the command sees them; without SWEPT_GPU, what says that they are not there.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "splat/rendered.h"
 #include "splat/result.h"
-#include "splat/scene.h"
+#include "tools/frame_renderer.h"
 
 namespace swept {
 
@@ -20,7 +19,7 @@ struct GpuChoice {
 };
 
 /// A renderer that opens its device at the first frame, and keeps it.
-[[nodiscard]] std::function<Result<Rendered>(const Scene&)> gpu_method(const GpuChoice& choice);
+[[nodiscard]] std::unique_ptr<FrameRenderer> gpu_frames(const GpuChoice& choice);
 
 /// One line for each device: its id, then what it is, or why it cannot be used.
 [[nodiscard]] Result<std::vector<std::string>> describe_gpus();

@@ -1,11 +1,8 @@
 #include "tools/render_command.h"
 
-#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -20,13 +17,11 @@
 #include "abuffer/reference.h"
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"
-#include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
-#include "splat/stopwatch.h"
 #include "tools/gpu_method.h"
 #include "tools/outputs.h"
-#include "tools/progress.h"
+#include "tools/render_frames.h"
 #include "tools/scene_options.h"
 #include "tools/stats_json.h"
 
@@ -47,7 +42,7 @@ struct RenderArguments {
 
 /// A renderer with its options filled in.
 struct Method {
-  std::function<Result<Rendered>(const Scene&)> render;
+  std::shared_ptr<FrameRenderer> renderer;
   std::vector<std::pair<std::string, double>> options;
   std::string description;  ///< what of method and options is in the image
 };
@@ -75,7 +70,7 @@ Method choose_gpu_method(const RenderArguments& arguments) {
   choice.lookup_tables = arguments.lookup_tables;
   choice.clamp_motion = arguments.clamp_motion;
   choice.device = arguments.gpu;
-  return {gpu_method(choice),
+  return {gpu_frames(choice),
           {{"subframes", choice.subframes},
            {"lookup_tables", choice.lookup_tables ? 1 : 0},
            {"clamp_motion", choice.clamp_motion ? 1 : 0}},
@@ -91,9 +86,10 @@ Method choose_method(const RenderArguments& arguments) {
     options.threads = arguments.threads;
     const bool per_pixel = arguments.normalisation == "pixel";
     options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
-    return {[options](const Scene& scene) { return render_abuffer(scene, options); },
-            {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
-            per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
+    return {
+        std::make_shared<OneByOne>([options](const Scene& scene) { return render_abuffer(scene, options); }),
+        {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
+        per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
   }
   ReferenceOptions options;
   options.threads = arguments.threads;
@@ -101,51 +97,10 @@ Method choose_method(const RenderArguments& arguments) {
   options.motion = arguments.motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
   if (const Status valid = options.validate(); !valid)
     throw CLI::ValidationError("--samples", valid.error().reason);
-  return {[options](const Scene& scene) { return render_reference(scene, options); },
-          {{"threads", options.threads}, {"samples", options.samples}},
-          fmt::format("reference {} {}", options.samples, arguments.motion)};
-}
-
-ImageMetadata metadata_of(const Scene& scene, const std::string& hash) {
-  const double length = scene.shutter.close - scene.shutter.open;
-  ImageMetadata metadata;
-  metadata.fps_numerator = scene.fps.numerator;
-  metadata.fps_denominator = scene.fps.denominator;
-  metadata.exposure_seconds = length * scene.fps.denominator / scene.fps.numerator;
-  metadata.shutter_open = scene.shutter.open;
-  metadata.shutter_close = scene.shutter.close;
-  const double middle = scene.frame + scene.shutter.open + 0.5 * length;
-  metadata.world_to_camera = scene.camera.at(middle).camera_from_world.matrix();
-  metadata.scene_hash = hash;
-  metadata.software = "swept " SWEPT_VERSION;
-  return metadata;
-}
-
-Result<FrameStatistics> render_frame(SceneFile& file, const FrameOutput& output, const Method& method,
-                                     const std::string& hash) {
-  FrameStatistics statistics;
-  statistics.frame = output.frame;
-  statistics.output = output.image;
-  Stopwatch watch;
-  const Result<const Scene*> scene = file.scene_at(output.frame, generate);
-  if (!scene) return scene.error();
-  statistics.load_seconds = watch.lap();
-  statistics.notes = file.notes();
-  Result<Rendered> rendered = method.render(**scene);
-  if (!rendered) {
-    Error error = rendered.error();
-    if (error.file.empty()) error.file = file.path();
-    return error;
-  }
-  statistics.render_seconds = watch.lap();
-  statistics.statistics = std::move(rendered->statistics);
-  // The image last: whoever finds it finds the frame done.
-  if (!output.preview.empty())
-    if (const Status written = write_png(output.preview, rendered->image); !written) return written.error();
-  const Status written = write_exr(output.image, rendered->image, metadata_of(**scene, hash));
-  if (!written) return written.error();
-  statistics.write_seconds = watch.lap();
-  return statistics;
+  return {
+      std::make_shared<OneByOne>([options](const Scene& scene) { return render_reference(scene, options); }),
+      {{"threads", options.threads}, {"samples", options.samples}},
+      fmt::format("reference {} {}", options.samples, arguments.motion)};
 }
 
 int fail(const Error& error, int exit_code = 1) {
@@ -201,30 +156,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const M
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
-  {
-    Progress progress(outputs.size());
-    std::set<std::string> told;
-    for (const FrameOutput& output : outputs) {
-      if (output.skip) {
-        progress.skip_frame(output.frame, output.image);
-        run.frames.push_back({output.frame, output.image, true, 0.0, 0.0, 0.0, {}, {}});
-        continue;
-      }
-      progress.begin_frame(output.frame);
-      Result<FrameStatistics> frame = render_frame(file, output, method, run.scene_hash);
-      if (!frame) {
-        Error error = frame.error();
-        error.reason += fmt::format(" (frame {})", output.frame);
-        progress.note("swept render: " + error.message());
-        return 1;
-      }
-      for (const std::string& note : frame->notes)
-        if (told.insert(note).second) progress.note("note: " + note);
-      progress.end_frame(output.frame, frame->load_seconds + frame->render_seconds + frame->write_seconds,
-                         output.image);
-      run.frames.push_back(std::move(*frame));
-    }
-  }
+  if (const Status status = render_frames(file, outputs, *method.renderer, run); !status)
+    return fail(status.error());
   if (arguments.stats.empty()) return 0;
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0)

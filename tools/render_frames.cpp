@@ -1,0 +1,131 @@
+#include "tools/render_frames.h"
+
+#include <deque>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "datasets/generators.h"
+#include "splat/io/image_file.h"
+#include "splat/stopwatch.h"
+#include "tools/progress.h"
+
+namespace swept {
+namespace {
+
+ImageMetadata metadata_of(const Scene& scene, const RunStatistics& run) {
+  const double length = scene.shutter.close - scene.shutter.open;
+  ImageMetadata metadata;
+  metadata.fps_numerator = scene.fps.numerator;
+  metadata.fps_denominator = scene.fps.denominator;
+  metadata.exposure_seconds = length * scene.fps.denominator / scene.fps.numerator;
+  metadata.shutter_open = scene.shutter.open;
+  metadata.shutter_close = scene.shutter.close;
+  const double middle = scene.frame + scene.shutter.open + 0.5 * length;
+  metadata.world_to_camera = scene.camera.at(middle).camera_from_world.matrix();
+  metadata.scene_hash = run.scene_hash;
+  metadata.software = run.software;
+  return metadata;
+}
+
+/// A frame that was submitted, with all that is needed of its scene to write it.
+struct PendingFrame {
+  const FrameOutput* output = nullptr;
+  ImageMetadata metadata;
+  FrameStatistics* statistics = nullptr;
+};
+
+class FrameLoop {
+ public:
+  FrameLoop(SceneFile& file, FrameRenderer& renderer, RunStatistics& run, Progress& progress)
+      : file_(file), renderer_(renderer), run_(run), progress_(progress) {}
+
+  Status submit(const FrameOutput& output, FrameStatistics& statistics) {
+    progress_.begin_frame(output.frame);
+    Stopwatch watch;
+    const Result<const Scene*> scene = file_.scene_at(output.frame, generate);
+    if (!scene) return of_frame(output, scene.error());
+    statistics.load_seconds = watch.lap();
+    statistics.notes = file_.notes();
+    if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
+    statistics.render_seconds = watch.lap();
+    pending_.push_back({&output, metadata_of(**scene, run_), &statistics});
+    return Done{};
+  }
+
+  /// Writes the oldest frames until `most` are left.
+  Status finish_all_but(std::size_t most) {
+    while (pending_.size() > most) {
+      const PendingFrame frame = std::move(pending_.front());
+      pending_.pop_front();
+      if (Status status = finish(frame); !status) return of_frame(*frame.output, status.error());
+    }
+    return Done{};
+  }
+
+ private:
+  Status finish(const PendingFrame& frame) {
+    FrameStatistics& statistics = *frame.statistics;
+    const FrameOutput& output = *frame.output;
+    Stopwatch watch;
+    Result<Rendered> rendered = renderer_.collect();
+    if (!rendered) return rendered.error();
+    statistics.render_seconds += watch.lap();
+    statistics.statistics = std::move(rendered->statistics);
+    // The image last: whoever finds it finds the frame done.
+    if (!output.preview.empty())
+      if (Status written = write_png(output.preview, rendered->image); !written) return written;
+    if (Status written = write_exr(output.image, rendered->image, frame.metadata); !written) return written;
+    statistics.write_seconds = watch.lap();
+    for (const std::string& note : statistics.notes)
+      if (told_.insert(note).second) progress_.note("note: " + note);
+    progress_.end_frame(output.frame,
+                        statistics.load_seconds + statistics.render_seconds + statistics.write_seconds,
+                        output.image);
+    return Done{};
+  }
+
+  Error of_frame(const FrameOutput& output, Error error) const {
+    if (error.file.empty()) error.file = file_.path();
+    error.reason += fmt::format(" (frame {})", output.frame);
+    return error;
+  }
+
+  SceneFile& file_;
+  FrameRenderer& renderer_;
+  RunStatistics& run_;
+  Progress& progress_;
+  std::deque<PendingFrame> pending_;
+  std::set<std::string> told_;
+};
+
+}  // namespace
+
+Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
+                     RunStatistics& run) {
+  Progress progress(outputs.size());
+  FrameLoop loop(file, renderer, run, progress);
+  std::vector<FrameStatistics> frames(outputs.size());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const FrameOutput& output = outputs[i];
+    frames[i].frame = output.frame;
+    frames[i].output = output.image;
+    frames[i].skipped = output.skip;
+    if (output.skip) {
+      progress.skip_frame(output.frame, output.image);
+      continue;
+    }
+    const Status submitted = loop.submit(output, frames[i]);
+    // Frames before one that failed are as good as ever.
+    if (Status finished = loop.finish_all_but(submitted ? renderer.most_pending() - 1 : 0); !finished)
+      return finished;
+    if (!submitted) return submitted;
+  }
+  if (Status finished = loop.finish_all_but(0); !finished) return finished;
+  for (FrameStatistics& frame : frames) run.frames.push_back(std::move(frame));
+  return Done{};
+}
+
+}  // namespace swept
