@@ -58,8 +58,9 @@ struct IntervalMath {
   DepthRange (*depths_over)(const Members& members, float begin, float end, float* z_begin, float* z_end);
 
   /// Sums over [begin, end]; begin == end: at that instant. `mean` has room for `padded` values. A mean is
-  /// within 5 ulp of that over the ends as they come out, y + rate·(τ − t_begin), and moves with these: their
-  /// rounding is at most 2⁻²⁴ (4 |rate·(τ − t_begin)| + |y| + …) and costs 2|y| times as much of it.
+  /// within 5 ulp; where the piece is short, of the mean about the middle as it comes out in float,
+  /// y + rate·(τ − t_begin). That rounding, 2⁻²⁴ (|y| + rate·(½ + 2 (τ − t_begin))), is the size of those in
+  /// the fragment's own numbers, and costs 2|y| times as much of the mean.
   MemberSum (*sum_over)(const Members& members, float begin, float end, float* mean);
 };
 

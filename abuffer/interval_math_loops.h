@@ -118,10 +118,10 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float 
   }
   if (long_spans > 0)
     for (std::size_t i = 0; i < members.count; ++i) {
-      const float middle = y[i] + rate[i] * (middle_time - t[i]);
-      const float span = rate[i] * duration;
-      if (!series_holds(middle, span))
-        mean[i] = peak[i] * mean_gaussian(middle - 0.5f * span, middle + 0.5f * span);
+      if (series_holds(within_exp(y[i] + rate[i] * (middle_time - t[i])), rate[i] * duration)) continue;
+      // Ends in double, which has the digits that y² asks for.
+      const auto y_at = [&](double time) { return y[i] + double{rate[i]} * (time - double{t[i]}); };
+      mean[i] = peak[i] * mean_gaussian_as<float>(y_at(begin), y_at(end));
     }
 
   const float *red_of = members.field(member_red), *green_of = members.field(member_green),

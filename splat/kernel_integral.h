@@ -177,9 +177,9 @@ Rounded mean_from_begin(double y_begin, double y_end) {
   return {mean, (rest + sum.low * length - mean * span.low) / span.value};
 }
 
+/// To T's precision, for ends in double whatever T is.
 template <class T>
-double mean_gaussian(T y_begin, T y_end, GaussianBranch& branch) {
-  double a = y_begin, b = y_end;
+double mean_gaussian(double a, double b, GaussianBranch& branch) {
   if (a + b < 0.0) {  // b ≥ |a| from here on
     const double mirrored = -a;
     a = -b;
@@ -226,14 +226,21 @@ double mean_gaussian(T y_begin, T y_end, GaussianBranch& branch) {
 template <class T>
 [[nodiscard]] T mean_gaussian(T y_begin, T y_end) {
   GaussianBranch branch;
-  return static_cast<T>(detail::mean_gaussian(y_begin, y_end, branch));
+  return static_cast<T>(detail::mean_gaussian<T>(y_begin, y_end, branch));
+}
+
+/// The same with more digits in the ends than T has: within 4 ulp of T for them.
+template <class T>
+[[nodiscard]] T mean_gaussian_as(double y_begin, double y_end) {
+  GaussianBranch branch;
+  return static_cast<T>(detail::mean_gaussian<T>(y_begin, y_end, branch));
 }
 
 /// The formula that mean_gaussian takes for these ends, for tables and tests.
 template <class T>
 [[nodiscard]] GaussianBranch gaussian_branch(T y_begin, T y_end) {
   GaussianBranch branch;
-  (void)detail::mean_gaussian(y_begin, y_end, branch);
+  (void)detail::mean_gaussian<T>(y_begin, y_end, branch);
   return branch;
 }
 

@@ -90,7 +90,8 @@ TEST(KernelPlane, EqualsTheInverseWhereThatIsRegular) {
       ++checked;
       const RayCoordinates<double> theirs = naive::along(kernel, x, y);
       const RayCoordinates<double> ours = KernelPlane<double>(kernel).along(x, y);
-      const oracle::CoordinateBounds own = oracle::coordinate_bounds(kernel, x, y);
+      const oracle::CoordinateBounds own =
+          oracle::coordinate_bounds(kernel, x, y, oracle::along(kernel, x, y));
       // Slack of 1.1 for what is not first order, and the quotients' own roundings.
       const double z_error = 1.1 * (inverse_error + std::abs(theirs.z) * ray_error) / std::abs(ray.z()) +
                              4 * unit_roundoff * std::abs(theirs.z) + own.z;

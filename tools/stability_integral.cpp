@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 #include <utility>
@@ -21,14 +23,14 @@ using oracle::uniform;
 struct IntegralCase {
   const char* name;
   const char* range;
-  /// `far`: where exp(−y²) is the smallest normal number.
+  /// `far`: how far out ends may be, where that is not the case's own.
   std::pair<double, double> (*make)(Random&, double far);
 };
 
 double log_uniform(Random& random, double low, double high) { return std::exp2(uniform(random, low, high)); }
 
 const IntegralCase cases[] = {
-    {"no motion", "y up to the last normal exp(−y²), span 0",
+    {"no motion", "span 0",
      [](Random& r, double far) {
        const double y = uniform(r, -far, far);
        return std::pair{y, y};
@@ -52,7 +54,7 @@ const IntegralCase cases[] = {
        const double y = log_uniform(r, -30.0, 1.0);
        return std::pair{y, y + uniform(r, 0.0, 4.0)};
      }},
-    {"in the tail", "nearer end 2 to the last normal one, spans 2⁻⁶ to 2⁶",
+    {"in the tail", "nearer end 2 and more, spans 2⁻⁶ to 2⁶",
      [](Random& r, double far) {
        const double y = uniform(r, 2.0, far);
        return std::pair{y, y + log_uniform(r, -6.0, 6.0)};
@@ -82,76 +84,109 @@ std::string branch_name(T a, T b) {
 template <class T>
 constexpr const char* type_name = sizeof(T) == 4 ? "float" : "double";
 
+oracle::Exact fifty(double a, double b) { return oracle::mean_gaussian(a, b, oracle::Digits::fifty); }
+oracle::Exact quad(double a, double b) { return oracle::mean_gaussian(a, b, oracle::Digits::quad); }
+
 template <class T>
-void add_mean_row(const IntegralCase& hard, std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {
+std::vector<Row> mean_row(const IntegralCase& hard, std::size_t points, std::uint64_t seed) {
   Random random(seed);
   Collector ours, naive;
+  OracleCheck check;
   std::map<std::string, std::size_t> branches;
+  const double far = sizeof(T) == 4 ? 9.3 : 26.6;  // where exp(−y²) is the smallest normal number
   for (std::size_t i = 0; i < points; ++i) {
-    const auto [exact_a, exact_b] = hard.make(random, sizeof(T) == 4 ? 9.3 : 26.6);
+    const auto [exact_a, exact_b] = hard.make(random, far);
     T a = static_cast<T>(exact_a), b = static_cast<T>(exact_b);
     if (random() % 2) std::swap(a = -a, b = -b);
-    const oracle::Exact exact = oracle::mean_gaussian(a, b, oracle::Digits::quad);
+    const oracle::Exact exact = quad(a, b);
     if (!oracle::normal<T>(exact)) continue;
     ++branches[branch_name(a, b)];
     const double ulp = oracle::ulp<T>(exact.high);
     const double bound = sizeof(T) == 4 ? 3.0 : 4.0;
     const auto where = [&] { return fmt::format("[{:.9g}, {:.9g}]", double{a}, double{b}); };
     const T mean = mean_gaussian(a, b);
-    ours.add(mean, exact, ulp, oracle::error(mean, exact) / ulp / bound, where);
+    const bool worst = ours.add(mean, exact, ulp, oracle::error(mean, exact) / ulp / bound, where);
     naive.add(naive::mean_gaussian(a, b), exact, ulp, 0.0, where);
+    if (check.wants(i, worst)) check.include(exact, fifty(a, b), ulp);
   }
   const std::size_t taken = ours.points();
-  rows.push_back({"mean of exp(−y²)", hard.name, type_name<T>, hard.range, "113 bits",
-                  describe_branches(branches), taken, true, ours.finish(), naive.finish()});
+  return {{"mean of exp(−y²)", hard.name, type_name<T>, fmt::format("|y| to {}, {}", far, hard.range),
+           check.text(), describe_branches(branches), taken, true, ours.finish(), naive.finish()}};
 }
 
-/// The sweep's own: |y| ≤ √50, the most that a cut-off allows, and spans up to the longest it asks for.
-void add_sweep_row(std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {
+/// The sweep's own, as built for every instruction set: |y| ≤ √50, the most that a cut-off allows.
+std::vector<Row> sweep_rows(const IntegralCase& hard, std::size_t points, std::uint64_t seed) {
+  constexpr double far = 7.07;
+  const auto builds = interval_math_builds();
+  std::vector<Collector> errors(builds.size());
+  std::vector<double> apart(builds.size(), 0.0);
   Random random(seed);
-  Collector ours;
+  OracleCheck check;
   std::map<std::string, std::size_t> branches;
-  FragmentArrays fragment;
-  fragment.ensure(member_lanes);
-  for (std::size_t i = 0; i < points; ++i) {
-    // On a grid of 2⁻¹⁶, for the member's y, rate and middle to be exact.
-    const auto on_grid = [](double y) { return static_cast<float>(std::round(y * 65536.0) / 65536.0); };
-    const float a = on_grid(uniform(random, -7.0, 7.0)),
-                span = on_grid(random() % 4 ? uniform(random, 0.0, 0.5) : uniform(random, 0.0, 8.0));
-    const float b = a + span;
-    const oracle::Exact exact = oracle::mean_gaussian(a, b, oracle::Digits::quad);
-    if (!oracle::normal<float>(exact)) continue;
-    fragment.t_begin[0] = 0.0f;
-    fragment.t_end[0] = 1.0f;
-    fragment.y[0] = a;
-    fragment.rate[0] = span;
-    fragment.peak[0] = 1.0f;
-    fragment.z[0] = 1.0f;
-    fragment.z_rate[0] = 0.0f;
-    MemberSet members;
-    members.push(fragment, 0, {});
-    float mean[member_lanes];
-    (void)interval_math_builds().back().sum_over(members.view(), 0.0f, 1.0f, mean);
-    const double middle = 0.5 * (double{a} + double{b});
-    ++branches[GaussianSeries<float>::holds(static_cast<float>(middle), span) ? "vector series"
-                                                                              : "mean_gaussian"];
-    // 4 ulp beyond what rounding y² costs: half an ulp of it in the exponent.
-    const double bound = 4.0 + middle * middle;
-    const double ulp = oracle::ulp<float>(exact.high);
-    ours.add(mean[0], exact, ulp, oracle::error(mean[0], exact) / ulp / bound,
-             [&] { return fmt::format("[{:.9g}, {:.9g}]", double{a}, double{b}); });
+  FragmentArrays fragments;
+  fragments.ensure(member_lanes);
+  MemberSet members;
+  for (std::size_t i = 0; i < points; i += member_lanes) {
+    members.clear();
+    std::array<std::pair<double, double>, member_lanes> ends;
+    std::array<bool, member_lanes> series;
+    for (std::size_t lane = 0; lane < member_lanes; ++lane) {
+      auto [first, last] = hard.make(random, far);
+      first = std::clamp(first, -far, far);
+      last = std::clamp(last, first, far);
+      if (random() % 2) std::swap(first = -first, last = -last);
+      const float a = static_cast<float>(first), span = static_cast<float>(last - first);
+      // The series sees a middle in float and this span about it, the rest the ends as they are.
+      const float middle = a + 0.5f * span;
+      series[lane] = span <= 0.5f && span * std::abs(middle) <= 1.0f;
+      ends[lane] = series[lane] ? std::pair{middle - 0.5 * double{span}, middle + 0.5 * double{span}}
+                                : std::pair{double{a}, double{a} + double{span}};
+      fragments.t_begin[0] = 0.0f;
+      fragments.t_end[0] = fragments.peak[0] = fragments.z[0] = 1.0f;
+      fragments.y[0] = a;
+      fragments.rate[0] = span;
+      fragments.z_rate[0] = 0.0f;
+      members.push(fragments, 0, {});
+    }
+    std::vector<std::array<float, member_lanes>> means(builds.size());
+    for (std::size_t k = 0; k < builds.size(); ++k)
+      (void)builds[k].sum_over(members.view(), 0.0f, 1.0f, means[k].data());
+    for (std::size_t lane = 0; lane < member_lanes; ++lane) {
+      const auto [a, b] = ends[lane];
+      const oracle::Exact exact = quad(a, b);
+      ++branches[series[lane] ? "vector series" : "mean_gaussian"];
+      const double ulp = oracle::ulp<float>(exact.high);
+      const auto where = [first = a, last = b] { return fmt::format("[{:.9g}, {:.9g}]", first, last); };
+      bool worst = false;
+      for (std::size_t k = 0; k < builds.size(); ++k) {
+        const float mean = means[k][lane];
+        worst |= errors[k].add(mean, exact, ulp, oracle::error(mean, exact) / ulp / 5.0, where);
+        apart[k] = std::max(apart[k], std::abs(double{mean} - double{means[0][lane]}) / ulp);
+      }
+      if (check.wants(i + lane, worst)) check.include(exact, fifty(a, b), ulp);
+    }
   }
-  const std::size_t taken = ours.points();
-  rows.push_back({"mean of exp(−y²), in the sweep", "all", "float", "|y| ≤ 7, spans to 8", "113 bits",
-                  describe_branches(branches), taken, true, ours.finish(), std::nullopt});
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < builds.size(); ++k) {
+    std::string branch = describe_branches(branches);
+    if (k > 0) branch += fmt::format("; from scalar {:.3g} ulp", apart[k]);
+    const std::size_t taken = errors[k].points();
+    rows.push_back({fmt::format("the same in the sweep, {}", builds[k].name), hard.name, "float",
+                    fmt::format("|y| to √50, {}", hard.range), check.text(), branch, taken, true,
+                    errors[k].finish(), std::nullopt});
+  }
+  return rows;
 }
 
 }  // namespace
 
-void add_integral_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows) {
-  for (const IntegralCase& hard : cases) add_mean_row<double>(hard, points, seed, rows);
-  for (const IntegralCase& hard : cases) add_mean_row<float>(hard, points, seed, rows);
-  add_sweep_row(points, seed, rows);
+void add_integral_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs) {
+  for (const IntegralCase& hard : cases)
+    jobs.push_back([&hard, points, seed] { return mean_row<double>(hard, points, seed); });
+  for (const IntegralCase& hard : cases)
+    jobs.push_back([&hard, points, seed] { return mean_row<float>(hard, points, seed); });
+  for (const IntegralCase& hard : cases)
+    jobs.push_back([&hard, points, seed] { return sweep_rows(hard, points, seed); });
 }
 
 }  // namespace swept::stability

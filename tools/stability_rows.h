@@ -1,25 +1,29 @@
-// The parts of the stability table. Each appends its rows, of about `points` seeded points.
+// The parts of the stability table. Each adds the jobs that make its rows, of about `points` seeded points;
+// jobs share nothing and may run at the same time.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "tools/stability_table.h"
 
 namespace swept::stability {
 
-/// The mean of exp(−y²): splat/kernel_integral.h, and the float form in the sweep's inner loop.
-void add_integral_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+using Job = std::function<std::vector<Row>()>;
+
+/// The mean of exp(−y²): splat/kernel_integral.h, and the sweep's own in every build.
+void add_integral_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Coordinates and depth along a ray, by kernel: KernelPlane.
-void add_coordinate_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+void add_coordinate_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Times, peak and depth of a fragment: intersect_tube.
-void add_tube_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+void add_tube_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// ∫ρ over a fragment, from its coordinates on: intersect_tube and interval_integral together.
-void add_fragment_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+void add_fragment_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Where two linear depths cross.
-void add_crossing_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+void add_crossing_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Weight and size of a filtered disc.
-void add_filter_rows(std::size_t points, std::uint64_t seed, std::vector<Row>& rows);
+void add_filter_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 
 }  // namespace swept::stability

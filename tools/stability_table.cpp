@@ -55,6 +55,10 @@ Errors Collector::finish() {
   return errors_;
 }
 
+std::string OracleCheck::text() const {
+  return fmt::format("113 bits; 50 digits at {} points, {} ulp apart", points_, number(farthest_));
+}
+
 std::string describe_branches(const std::map<std::string, std::size_t>& counts) {
   std::size_t total = 0;
   for (const auto& [name, count] : counts) total += count;

@@ -34,21 +34,23 @@ struct Row {
 class Collector {
  public:
   /// `value` against the exact one, in units of `ulp`; `share` of the bound. `where()` names the inputs.
+  /// Returns whether it is the worst so far.
   template <class Where>
-  void add(double value, oracle::Exact exact, double ulp, double share, Where where) {
+  bool add(double value, oracle::Exact exact, double ulp, double share, Where where) {
     const double error = oracle::error(value, exact);
     if (!(error <= std::numeric_limits<double>::max())) {
       ++errors_.not_finite;
       if (errors_.not_finite == 1 && ulps_.empty()) errors_.where = where();
-      return;
+      return true;
     }
     const double ulps = error / ulp;
     ulps_.push_back(static_cast<float>(std::min(ulps, 1e38)));
     errors_.worst_absolute = std::max(errors_.worst_absolute, error);
     errors_.worst_share = std::max(errors_.worst_share, share);
-    if (ulps <= errors_.worst_ulp) return;
+    if (ulps <= errors_.worst_ulp) return false;
     errors_.worst_ulp = ulps;
     errors_.where = where();
+    return true;
   }
   [[nodiscard]] std::size_t points() const { return ulps_.size() + errors_.not_finite; }
   [[nodiscard]] Errors finish();
@@ -56,6 +58,25 @@ class Collector {
  private:
   Errors errors_;
   std::vector<float> ulps_;
+};
+
+/// Rows are computed against 113 bits, which is quick. The points that decide a row, each worst one so far,
+/// and every thousandth are computed with 50 digits as well.
+class OracleCheck {
+ public:
+  [[nodiscard]] static bool wants(std::size_t point, bool worst) { return worst || point % 1000 == 0; }
+  /// The two results; their distance counts in units of `ulp`.
+  void include(oracle::Exact quad, oracle::Exact fifty, double ulp) {
+    ++points_;
+    const double distance = std::abs((quad.high - fifty.high) + (quad.low - fifty.low)) / ulp;
+    if (!(distance <= farthest_)) farthest_ = distance;
+  }
+  [[nodiscard]] std::size_t points() const { return points_; }
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::size_t points_ = 0;
+  double farthest_ = 0.0;
 };
 
 /// "series 61%, astride 39%".

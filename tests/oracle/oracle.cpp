@@ -6,6 +6,9 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#if defined(SWEPT_QUADMATH)
+#include <boost/multiprecision/float128.hpp>
+#endif
 
 namespace swept::oracle {
 namespace {
@@ -14,8 +17,12 @@ namespace mp = boost::multiprecision;
 // No expression templates: plain values, quicker to compile.
 using Fifty =
     mp::number<mp::cpp_bin_float<50, mp::digit_base_10, void, std::int32_t, -1000000, 1000000>, mp::et_off>;
+#if defined(SWEPT_QUADMATH)
+using Quad = mp::number<mp::float128_backend, mp::et_off>;  // some times quicker
+#else
 using Quad =
     mp::number<mp::cpp_bin_float<113, mp::digit_base_2, void, std::int32_t, -1000000, 1000000>, mp::et_off>;
+#endif
 
 template <class R>
 Exact round_off(const R& value) {
@@ -76,14 +83,36 @@ Fifty quadrature_mean(Fifty a, Fifty b) {
 
 using Vector = Eigen::Vector3d;
 
-struct Vector50 {
-  Fifty x, y, z;
-  Vector50(Fifty x_, Fifty y_, Fifty z_) : x(std::move(x_)), y(std::move(y_)), z(std::move(z_)) {}
-  explicit Vector50(const Vector& v) : x(v.x()), y(v.y()), z(v.z()) {}
+template <class R>
+struct Vector3 {
+  R x, y, z;
+  Vector3(R x_, R y_, R z_) : x(std::move(x_)), y(std::move(y_)), z(std::move(z_)) {}
+  explicit Vector3(const Vector& v) : x(v.x()), y(v.y()), z(v.z()) {}
 };
-Fifty dot(const Vector50& a, const Vector50& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vector50 cross(const Vector50& a, const Vector50& b) {
+template <class R>
+R dot(const Vector3<R>& a, const Vector3<R>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class R>
+Vector3<R> cross(const Vector3<R>& a, const Vector3<R>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class R>
+Ray along_as(const MovingKernel& kernel, double x, double y) {
+  using V = Vector3<R>;
+  const V a(Vector(kernel.axis_u.cast<double>())), b(Vector(kernel.axis_v.cast<double>())), c(kernel.center),
+      m(kernel.velocity), d(x, y, 1);
+  const V n = cross(a, b);
+  const R facing = dot(n, d);
+  const auto ratio = [&](const R& value) { return round_off(R(value / facing)); };
+  return {ratio(dot(d, cross(b, c))),
+          ratio(dot(d, cross(c, a))),
+          ratio(dot(n, c)),
+          ratio(dot(d, cross(b, m))),
+          ratio(dot(d, cross(m, a))),
+          ratio(dot(n, m)),
+          R(abs(facing) / sqrt(dot(n, n) * dot(d, d))).template convert_to<double>()};
 }
 
 }  // namespace
@@ -97,128 +126,121 @@ double quadrature_disagreement(double a, double b) {
   return Fifty(abs(quadrature_mean(a, b) / closed - 1)).convert_to<double>();
 }
 
-Ray along(const MovingKernel& kernel, double x, double y) {
-  const Vector50 a(Vector(kernel.axis_u.cast<double>())), b(Vector(kernel.axis_v.cast<double>())),
-      c(kernel.center), m(kernel.velocity), d(x, y, 1);
-  const Vector50 n = cross(a, b);
-  const Fifty facing = dot(n, d);
-  const auto ratio = [&](const Fifty& value) { return round_off(Fifty(value / facing)); };
-  return {ratio(dot(d, cross(b, c))),
-          ratio(dot(d, cross(c, a))),
-          ratio(dot(n, c)),
-          ratio(dot(d, cross(b, m))),
-          ratio(dot(d, cross(m, a))),
-          ratio(dot(n, m)),
-          Fifty(abs(facing) / sqrt(dot(n, n) * dot(d, d))).convert_to<double>()};
+Ray along(const MovingKernel& kernel, double x, double y, Digits digits) {
+  return digits == Digits::quad ? along_as<Quad>(kernel, x, y) : along_as<Fifty>(kernel, x, y);
 }
 
 namespace {
 
-struct Fragment50 {
-  Fifty begin, end, peak, y_begin, rate, across;
+template <class R>
+struct FragmentAs {
+  R begin, end, peak, y_begin, rate, across;
 };
 
 /// False where there is none; `across` is set all the same.
+template <class R>
 bool intersect(const RayCoordinates<double>& ray, double segment_begin, double segment_end, double near,
-               double delta, double weight, Fragment50& f) {
-  const Fifty u = ray.u, v = ray.v, z = ray.z, du = ray.du, dv = ray.dv, dz = ray.dz;
-  const Fifty t_mid = (Fifty(segment_begin) + Fifty(segment_end)) / 2;
+               double delta, double weight, FragmentAs<R>& f) {
+  const R u = ray.u, v = ray.v, z = ray.z, du = ray.du, dv = ray.dv, dz = ray.dz;
+  const R t_mid = (R(segment_begin) + R(segment_end)) / 2;
   f.begin = segment_begin;
   f.end = segment_end;
-  const Fifty speed = sqrt(du * du + dv * dv);
-  Fifty squared = u * u + v * v, along_line = 0;
+  const R speed = sqrt(du * du + dv * dv);
+  R squared = u * u + v * v, along_line = 0;
   if (speed > 0) {
     along_line = (u * du + v * dv) / speed;
     f.across = abs(u * dv - v * du) / speed;
     squared = f.across * f.across;
     if (squared > 1) return false;
-    const Fifty half = sqrt(1 - squared);
-    f.begin = (std::max)(f.begin, Fifty(t_mid + (-half - along_line) / speed));
-    f.end = (std::min)(f.end, Fifty(t_mid + (half - along_line) / speed));
+    const R half = sqrt(1 - squared);
+    f.begin = (std::max)(f.begin, R(t_mid + (-half - along_line) / speed));
+    f.end = (std::min)(f.end, R(t_mid + (half - along_line) / speed));
   } else {
     f.across = sqrt(squared);
     if (squared > 1) return false;
   }
   if (dz > 0)
-    f.begin = (std::max)(f.begin, Fifty(t_mid + (near - z) / dz));
+    f.begin = (std::max)(f.begin, R(t_mid + (near - z) / dz));
   else if (dz < 0)
-    f.end = (std::min)(f.end, Fifty(t_mid + (near - z) / dz));
+    f.end = (std::min)(f.end, R(t_mid + (near - z) / dz));
   else if (z < near)
     return false;
   if (!(f.begin < f.end)) return false;
   f.peak = weight * exp(-delta * squared);
-  f.rate = sqrt(Fifty(delta)) * speed;
-  f.y_begin = speed > 0 ? Fifty(sqrt(Fifty(delta)) * (along_line + speed * (f.begin - t_mid))) : Fifty(0);
+  f.rate = sqrt(R(delta)) * speed;
+  f.y_begin = speed > 0 ? R(sqrt(R(delta)) * (along_line + speed * (f.begin - t_mid))) : R(0);
   return true;
 }
 
-}  // namespace
-
-Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
-                        double near, double delta, double weight) {
-  Fragment50 f;
+template <class R>
+Fragment intersect_as(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                      double near, double delta, double weight) {
+  FragmentAs<R> f;
   Fragment fragment;
   fragment.hit = intersect(ray, segment_begin, segment_end, near, delta, weight, f);
-  fragment.across = f.across.convert_to<double>();
+  fragment.across = f.across.template convert_to<double>();
   if (!fragment.hit) return fragment;
-  const Fifty t_mid = (Fifty(segment_begin) + Fifty(segment_end)) / 2;
+  const R t_mid = (R(segment_begin) + R(segment_end)) / 2;
   fragment.t_begin = round_off(f.begin);
   fragment.t_end = round_off(f.end);
   fragment.peak = round_off(f.peak);
   fragment.rate = round_off(f.rate);
   fragment.y_begin = round_off(f.y_begin);
-  fragment.z_begin = round_off(Fifty(ray.z + Fifty(ray.dz) * (f.begin - t_mid)));
+  fragment.z_begin = round_off(R(ray.z + R(ray.dz) * (f.begin - t_mid)));
   fragment.z_rate = {ray.dz, 0.0};
   return fragment;
 }
 
-Exact fragment_integral(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
-                        double near, double delta, double weight) {
-  Fragment50 f;
+template <class R>
+Exact integral_as(const RayCoordinates<double>& ray, double segment_begin, double segment_end, double near,
+                  double delta, double weight) {
+  FragmentAs<R> f;
   if (!intersect(ray, segment_begin, segment_end, near, delta, weight, f)) return {};
-  const Fifty duration = f.end - f.begin;
-  const Quad mean = closed_mean<Quad>(Quad(f.y_begin), Quad(Fifty(f.y_begin + f.rate * duration)));
-  return round_off(Fifty(f.peak * duration * Fifty(mean)));
+  const R duration = f.end - f.begin;
+  return round_off(R(f.peak * duration * closed_mean<R>(f.y_begin, R(f.y_begin + f.rate * duration))));
 }
 
-State state_at(const RayCoordinates<double>& ray, double t_mid, double t) {
-  const Fifty s = Fifty(t) - Fifty(t_mid), du = ray.du, dv = ray.dv;
-  const Fifty u = ray.u + s * du, v = ray.v + s * dv, speed = sqrt(du * du + dv * dv);
+template <class R>
+State state_as(const RayCoordinates<double>& ray, double t_mid, double t) {
+  const R s = R(t) - R(t_mid), du = ray.du, dv = ray.dv;
+  const R u = ray.u + s * du, v = ray.v + s * dv, speed = sqrt(du * du + dv * dv);
   State state{};
-  state.radius_minus_one = Fifty(sqrt(u * u + v * v) - 1).convert_to<double>();
-  state.z = Fifty(ray.z + s * Fifty(ray.dz)).convert_to<double>();
+  state.radius_minus_one = R(sqrt(u * u + v * v) - 1).template convert_to<double>();
+  state.z = R(ray.z + s * R(ray.dz)).template convert_to<double>();
   if (speed > 0) {
-    state.along = Fifty((u * du + v * dv) / speed).convert_to<double>();
-    state.across = Fifty(abs(u * dv - v * du) / speed).convert_to<double>();
+    state.along = R((u * du + v * dv) / speed).template convert_to<double>();
+    state.across = R(abs(u * dv - v * du) / speed).template convert_to<double>();
   }
   return state;
 }
 
-Exact crossing(double z0, double rate0, double t0, double z1, double rate1, double t1) {
-  const Fifty value0 = Fifty(z0) - Fifty(rate0) * Fifty(t0), value1 = Fifty(z1) - Fifty(rate1) * Fifty(t1);
-  return round_off(Fifty((value0 - value1) / (Fifty(rate1) - Fifty(rate0))));
+template <class R>
+Exact crossing_as(double z0, double rate0, double t0, double z1, double rate1, double t1) {
+  const R value0 = R(z0) - R(rate0) * R(t0), value1 = R(z1) - R(rate1) * R(t1);
+  return round_off(R((value0 - value1) / (R(rate1) - R(rate0))));
 }
 
-Filtered filter(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v, const Eigen::Vector2d& tangent,
-                double radius) {
-  const Fifty tx = tangent.x(), ty = tangent.y(), r2 = Fifty(radius) * radius;
-  const Fifty ux = axis_u.x() - tx * axis_u.z(), uy = axis_u.y() - ty * axis_u.z();
-  const Fifty vx = axis_v.x() - tx * axis_v.z(), vy = axis_v.y() - ty * axis_v.z();
-  const Fifty xx = ux * ux + vx * vx, xy = ux * uy + vx * vy, yy = uy * uy + vy * vy;
-  const Fifty determinant = (ux * vy - uy * vx) * (ux * vy - uy * vx);
-  const Fifty filtered = determinant + r2 * (xx + yy) + r2 * r2;
+template <class R>
+Filtered filter_as(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v,
+                   const Eigen::Vector2d& tangent, double radius) {
+  const R tx = tangent.x(), ty = tangent.y(), r2 = R(radius) * radius;
+  const R ux = axis_u.x() - tx * axis_u.z(), uy = axis_u.y() - ty * axis_u.z();
+  const R vx = axis_v.x() - tx * axis_v.z(), vy = axis_v.y() - ty * axis_v.z();
+  const R xx = ux * ux + vx * vx, xy = ux * uy + vx * vy, yy = uy * uy + vy * vy;
+  const R determinant = (ux * vy - uy * vx) * (ux * vy - uy * vx);
+  const R filtered = determinant + r2 * (xx + yy) + r2 * r2;
   // Squared singular values of Q, and the depth each carries: w = Rᵀ A_zᵀ.
-  const Fifty half_gap = sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
-  const Fifty major = (xx + yy) / 2 + half_gap, minor = major > 0 ? Fifty(determinant / major) : Fifty(0);
-  const Fifty uu = ux * ux + uy * uy, uv = ux * vx + uy * vy;
+  const R half_gap = sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
+  const R major = (xx + yy) / 2 + half_gap, minor = major > 0 ? R(determinant / major) : R(0);
+  const R uu = ux * ux + uy * uy, uv = ux * vx + uy * vy;
   // Unit eigenvector of QᵀQ for the major value.
-  Fifty p = uv, q = major - uu;
-  const Fifty p2 = major - (vx * vx + vy * vy);
+  R p = uv, q = major - uu;
+  const R p2 = major - (vx * vx + vy * vy);
   if (p2 * p2 + uv * uv > p * p + q * q) {
     p = p2;
     q = uv;
   }
-  const Fifty norm = sqrt(p * p + q * q);
+  const R norm = sqrt(p * p + q * q);
   if (norm > 0) {
     p /= norm;
     q /= norm;
@@ -226,13 +248,42 @@ Filtered filter(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v, co
     p = 1;
     q = 0;
   }
-  const Fifty z_major = p * axis_u.z() + q * axis_v.z(), z_minor = p * axis_v.z() - q * axis_u.z();
-  const auto part = [&](const Fifty& s2, const Fifty& z) {
-    const Fifty floor = r2 / 16;
-    return Fifty((s2 + r2) * (1 + z * z / (std::max)(s2, floor)) / 2);
+  const R z_major = p * axis_u.z() + q * axis_v.z(), z_minor = p * axis_v.z() - q * axis_u.z();
+  const auto part = [&](const R& s2, const R& z) {
+    const R floor = r2 / 16;
+    return R((s2 + r2) * (1 + z * z / (std::max)(s2, floor)) / 2);
   };
-  return {round_off(Fifty(sqrt(determinant / filtered))),
-          round_off(Fifty(sqrt(part(major, z_major) + part(minor, z_minor))))};
+  return {round_off(R(sqrt(determinant / filtered))),
+          round_off(R(sqrt(part(major, z_major) + part(minor, z_minor))))};
+}
+
+}  // namespace
+
+Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                        double near, double delta, double weight, Digits digits) {
+  return digits == Digits::quad ? intersect_as<Quad>(ray, segment_begin, segment_end, near, delta, weight)
+                                : intersect_as<Fifty>(ray, segment_begin, segment_end, near, delta, weight);
+}
+
+Exact fragment_integral(const RayCoordinates<double>& ray, double segment_begin, double segment_end,
+                        double near, double delta, double weight, Digits digits) {
+  return digits == Digits::quad ? integral_as<Quad>(ray, segment_begin, segment_end, near, delta, weight)
+                                : integral_as<Fifty>(ray, segment_begin, segment_end, near, delta, weight);
+}
+
+State state_at(const RayCoordinates<double>& ray, double t_mid, double t, Digits digits) {
+  return digits == Digits::quad ? state_as<Quad>(ray, t_mid, t) : state_as<Fifty>(ray, t_mid, t);
+}
+
+Exact crossing(double z0, double rate0, double t0, double z1, double rate1, double t1, Digits digits) {
+  return digits == Digits::quad ? crossing_as<Quad>(z0, rate0, t0, z1, rate1, t1)
+                                : crossing_as<Fifty>(z0, rate0, t0, z1, rate1, t1);
+}
+
+Filtered filter(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v, const Eigen::Vector2d& tangent,
+                double radius, Digits digits) {
+  return digits == Digits::quad ? filter_as<Quad>(axis_u, axis_v, tangent, radius)
+                                : filter_as<Fifty>(axis_u, axis_v, tangent, radius);
 }
 
 }  // namespace swept::oracle

@@ -18,7 +18,8 @@ struct Exact {
   double high = 0.0, low = 0.0;
 };
 
-/// Precision to compute with. Where `quad` suffices is shown by comparing the two: kernel_integral_test.
+/// Precision to compute with: 113 bits, or 50 decimal digits. `quad` is quick, and 2⁻⁶⁰ of a double's
+/// rounding; tests and tables compare the two as they go.
 enum class Digits { quad, fifty };
 
 /// Mean of exp(−y²) over [a, b], a ≤ b, from erf and erfc; Taylor series where that would cancel.
@@ -33,7 +34,7 @@ struct Ray {
   Exact u, v, z, du, dv, dz;
   double facing_ratio;  ///< |n·d| / (|n| |d|)
 };
-[[nodiscard]] Ray along(const MovingKernel& kernel, double x, double y);
+[[nodiscard]] Ray along(const MovingKernel& kernel, double x, double y, Digits digits = Digits::fifty);
 
 struct Fragment {
   bool hit = false;
@@ -42,11 +43,13 @@ struct Fragment {
 };
 /// Tube ∩ segment ∩ {z ≥ near} for exact coordinates.
 [[nodiscard]] Fragment intersect_tube(const RayCoordinates<double>& ray, double segment_begin,
-                                      double segment_end, double near, double delta, double weight);
+                                      double segment_end, double near, double delta, double weight,
+                                      Digits digits = Digits::fifty);
 
-/// ∫ρ dτ over that fragment; 0 where there is none. 113 bits.
+/// ∫ρ dτ over that fragment; 0 where there is none.
 [[nodiscard]] Exact fragment_integral(const RayCoordinates<double>& ray, double segment_begin,
-                                      double segment_end, double near, double delta, double weight);
+                                      double segment_end, double near, double delta, double weight,
+                                      Digits digits = Digits::quad);
 
 /// The line's state at time t, exactly.
 struct State {
@@ -54,17 +57,19 @@ struct State {
   double along, across;     ///< position along the line from the point nearest the centre, and its distance
   double z;
 };
-[[nodiscard]] State state_at(const RayCoordinates<double>& ray, double t_mid, double t);
+[[nodiscard]] State state_at(const RayCoordinates<double>& ray, double t_mid, double t,
+                             Digits digits = Digits::fifty);
 
 /// value(t) = z + rate (t − t_begin) of two lines; where they are equal. Requires different rates.
-[[nodiscard]] Exact crossing(double z0, double rate0, double t0, double z1, double rate1, double t1);
+[[nodiscard]] Exact crossing(double z0, double rate0, double t0, double z1, double rate1, double t1,
+                             Digits digits = Digits::fifty);
 
 /// √(|QQᵀ| / |QQᵀ + r²I|) and the size of model section 5, for given tangent and radius r.
 struct Filtered {
   Exact weight, size;
 };
 [[nodiscard]] Filtered filter(const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v,
-                              const Eigen::Vector2d& tangent, double radius);
+                              const Eigen::Vector2d& tangent, double radius, Digits digits = Digits::fifty);
 
 /// Spacing of T at x; of its smallest numbers below the normal ones.
 template <class T>

@@ -2,9 +2,9 @@
 
 namespace swept::oracle {
 
-CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y, double unit) {
+CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y, const Ray& exact,
+                                   double unit) {
   using Eigen::Vector3d;
-  const Ray exact = along(kernel, x, y);
   // Scaled as the axes are, for their squares to be in range.
   const double scale =
       1.0 / std::max<double>(kernel.axis_u.cwiseAbs().maxCoeff(), kernel.axis_v.cwiseAbs().maxCoeff());
@@ -33,7 +33,7 @@ double coordinate_error(const MovingKernel& kernel, double x, double y,
                         const RayCoordinates<double>& computed, double unit) {
   const Ray exact = along(kernel, x, y);
   if (in_plane(exact, unit)) return std::numeric_limits<double>::quiet_NaN();
-  const CoordinateBounds bounds = coordinate_bounds(kernel, x, y, unit);
+  const CoordinateBounds bounds = coordinate_bounds(kernel, x, y, exact, unit);
   const auto share = [](double value, Exact of, double bound) {
     const double off = error(value, of);
     return off == 0.0 ? 0.0 : off / bound;

@@ -19,7 +19,7 @@ struct CoordinateBounds {
 
 /// Those of KernelPlane::along, at the exact coordinates, for a type of the given unit roundoff.
 [[nodiscard]] CoordinateBounds coordinate_bounds(const MovingKernel& kernel, double x, double y,
-                                                 double unit = 0x1p-53);
+                                                 const Ray& exact, double unit = 0x1p-53);
 
 /// Whether the ray lies in the disc's plane but for rounding, 4 ε N of n·d: its coordinates then need not
 /// even be finite.
@@ -49,7 +49,7 @@ struct TubeError {
 /// `intersect` is called like swept::intersect_tube, with weight 1.
 template <class T, class Intersect>
 [[nodiscard]] TubeError tube_error(const RayCoordinates<T>& ray, T begin, T end, T near, T delta,
-                                   Intersect intersect) {
+                                   Intersect intersect, Digits digits = Digits::fifty) {
   constexpr double unit = std::numeric_limits<T>::epsilon() / 2;
   const RayCoordinates<double> exact_ray{ray.u, ray.v, ray.z, ray.du, ray.dv, ray.dz};
   const double t_mid = 0.5 * (double{begin} + double{end});
@@ -59,17 +59,17 @@ template <class T, class Intersect>
   TubeError result;
   RayFragment<T> f;
   if (!intersect(ray, begin, end, near, delta, T(1), f)) {
-    const Fragment exact = intersect_tube(exact_ray, begin, end, near, delta, 1.0);
+    const Fragment exact = intersect_tube(exact_ray, begin, end, near, delta, 1.0, digits);
     if (!exact.hit) return result;
     // It must have been missed by a bound's breadth: half way through it is still at an edge.
     const double middle = 0.5 * (exact.t_begin.high + exact.t_end.high);
-    const State state = state_at(exact_ray, t_mid, middle);
+    const State state = state_at(exact_ray, t_mid, middle, digits);
     result.missed = std::min(-state.radius_minus_one / radius_bound, (state.z - double{near}) / depth_bound);
     return result;
   }
   result.hits = 1;
   for (const T t : {f.t_begin, f.t_end}) {
-    const State state = state_at(exact_ray, t_mid, t);
+    const State state = state_at(exact_ray, t_mid, t, digits);
     const double beyond_tube = state.radius_minus_one / radius_bound,
                  before_near = (double{near} - state.z) / depth_bound;
     // Inside both, and at the edge of one unless it is the segment's.
@@ -78,7 +78,7 @@ template <class T, class Intersect>
     const double error = std::max({beyond_tube, before_near, at_edge});
     result.interval = error <= result.interval ? result.interval : error;
   }
-  const State state = state_at(exact_ray, t_mid, f.t_begin);
+  const State state = state_at(exact_ray, t_mid, f.t_begin, digits);
   const double root_delta = std::sqrt(double{delta});
   const bool moves = s >= double{std::numeric_limits<T>::min()};
   if (moves)
@@ -116,6 +116,14 @@ template <class T>
           static_cast<T>(speed * c),
           static_cast<T>(speed * n),
           static_cast<T>(dz)};
+}
+
+/// Of a kernel of a hard case, as KernelPlane gives them; `hard` null: planted ones.
+template <class T>
+[[nodiscard]] RayCoordinates<T> coordinates_of(const HardCase* hard, Random& random) {
+  if (!hard) return planted_coordinates<T>(random);
+  const auto [kernel, x, y] = hard->make(random);
+  return KernelPlane<T>(kernel).along(static_cast<T>(x), static_cast<T>(y));
 }
 
 }  // namespace swept::oracle
