@@ -32,7 +32,7 @@ function short(value, digits = 3) {
 const whole = (value) => (isNumber(value) ? Math.round(value).toLocaleString("en") : "–");
 const fixed = (digits) => (value) => (isNumber(value) ? value.toFixed(digits) : "–");
 const mebibytes = (value) => (isNumber(value) ? whole(value / 2 ** 20) : "–");
-const percent = (value) => (isNumber(value) ? `${short(100 * value)} %` : "–");
+const percent = (value) => (isNumber(value) ? `${short(100 * value, 2)} %` : "–");
 
 /** Seconds in words: "85 ms", "12.3 s", "2 min 3 s", "1 h 40 min". */
 function duration(seconds) {
@@ -120,7 +120,7 @@ const measures = [
    about: "20 log₁₀(1 / RMSE)."},
   {id: "ssim", name: "1 − SSIM", of: (cell) => (isNumber(cell.ssim) ? 1 - cell.ssim : null), log: true, least: 1e-9,
    about: "Structural similarity, as what is missing to 1."},
-  {id: "flip", name: "ꟻLIP", of: (cell) => cell.flip, log: true, least: 1e-9,
+  {id: "flip", name: "FLIP", of: (cell) => cell.flip, log: true, least: 1e-9,
    about: "Mean perceived difference when the two pictures are flipped between, 0 to 1."},
   {id: "max_abs", name: "Largest difference", of: (cell) => cell.max_abs, log: true, least: 1e-9,
    about: "The worst channel of the worst pixel, linear."},

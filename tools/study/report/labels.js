@@ -6,7 +6,7 @@ const along = (axis, value) => (axis.log ? Math.log10(value) : value);
 function tickText(value) {
   const exponent = Math.floor(Math.log10(value) + 1e-9);
   const mantissa = Math.round(value / 10 ** exponent);
-  if (exponent >= -3 && exponent < 5) return (mantissa * 10 ** exponent).toFixed(Math.max(0, -exponent));
+  if (exponent >= -3 && exponent < 7) return (mantissa * 10 ** exponent).toLocaleString("en", {minimumFractionDigits: Math.max(0, -exponent)});
   return mantissa === 1 ? powerOfTen(exponent) : `${mantissa}×${powerOfTen(exponent)}`;
 }
 
@@ -16,7 +16,7 @@ function logTicks(low, high) {
   const span = high - low;
   const inside = (value) => Math.log10(value) >= low - 1e-9 && Math.log10(value) <= high + 1e-9;
   const step = Math.max(1, Math.ceil(span / 8));
-  const labelled = span > 2.5 ? [1] : span > 0.8 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const labelled = span > 2.5 ? [1] : span > 1 ? [1, 2, 5] : [1, 2, 3, 5, 7];
   for (let exponent = Math.floor(low); exponent <= Math.ceil(high); ++exponent) {
     for (let mantissa = 1; mantissa < 10; ++mantissa) {
       // From text, so that 3·10⁻⁵ is that number and not its neighbour.
@@ -67,7 +67,7 @@ function placesOf(label, frame, obstacles) {
       const outside = label.width * label.height - overlap(box, frame);
       let cost = 100 * outside + reach * 3 + (i % 4 === 0 ? 0 : i % 2 === 0 ? 1 : 2) + (i > 4 && i < 12 ? 1 : 0);
       for (const marker of obstacles.markers) cost += 20 * overlap(box, marker);
-      for (const [a, b] of obstacles.lines) cost += crosses(a, b, box) ? 25 : 0;
+      for (const [a, b] of obstacles.lines) cost += crosses(a, b, box) ? 50 : 0;
       places.push({x, y, box, reach, cost});
     });
   }

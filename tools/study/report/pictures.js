@@ -23,6 +23,12 @@ function picturesOf(scene, families) {
   return pictures;
 }
 
+/** Small pictures are shown at a whole multiple of their size, their pixels as squares. */
+function pictureBox(scene) {
+  if (!(scene.width <= 540)) return {};
+  return {class: "pixels", style: `max-width: ${scene.width * Math.floor(540 / scene.width)}px`};
+}
+
 /** The slider, which moves with the range below it and with a pointer on the picture. */
 function splitView(scene) {
   const left = element("img", {class: "left"}), right = element("img", {class: "right"});
@@ -62,7 +68,7 @@ function splitView(scene) {
     if (isNumber(scene.width) && isNumber(scene.height)) Object.assign(image, {width: scene.width, height: scene.height});
     tags[side].textContent = picture.name;
   };
-  return {node: element("div", {class: scene.width <= 512 ? "pixels" : null}, stack, range), put};
+  return {node: element("div", pictureBox(scene), stack, range), put};
 }
 
 /** What the colours of difference images mean. */
@@ -81,7 +87,7 @@ function differenceView(scene, scale) {
   const image = element("img", {class: "difference-image"}), worst = element("span", {class: "worst"});
   const frame = element("div", {class: "difference"}, image, worst);
   const caption = element("p", {class: "small"});
-  const node = element("div", {class: scene.width <= 512 ? "pixels" : null}, frame, colourBar(scale), caption);
+  const node = element("div", pictureBox(scene), frame, colourBar(scale), caption);
   const put = (picture) => {
     const {cell} = picture;
     const shown = cell !== undefined && hasImage(cell.difference);

@@ -47,7 +47,8 @@ class Plot {
     const spec = this.describe();
     const shown = spec.series.filter((series) => !series.hidden);
     const axes = {x: rangeOf(spec, shown, "x"), y: rangeOf(spec, shown, "y")};
-    const margin = {l: narrow ? 58 : 76, r: 14, t: 12, b: 52};
+    // The library's buttons stand above the plot, where they hide nothing.
+    const margin = {l: narrow ? 58 : 76, r: 14, t: 34, b: 52};
     const size = {width: width - margin.l - margin.r, height: this.host.clientHeight - margin.t - margin.b};
     const view = this.zoom ?? {x: axes.x.range, y: axes.y.range};
     const layout = {
@@ -61,8 +62,9 @@ class Plot {
     };
     const traces = [...frontTrace(spec, axes), ...shown.map((series) => trace(series, spec, axes))];
     Plotly.react(this.host, traces, layout, {
-      displaylogo: false, responsive: false, doubleClick: "reset",
-      modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+      displaylogo: false, responsive: false, doubleClick: "reset", plotlyServerURL: "",
+      // Named one by one: the library's own choice has a button that sends the data away.
+      modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
       toImageButtonOptions: {format: "svg", filename: this.host.id || "plot"},
     });
     this.listen();
@@ -111,7 +113,7 @@ function rangeOf(spec, shown, key) {
   const better = axis.better === "high" ? high + 0.12 * span : low - 0.12 * span;
   const ends = missing ? [Math.min(low, better), Math.max(high, better)] : [low, high];
   const pad = 0.09 * Math.max(ends[1] - ends[0], axis.log ? 0.5 : 1);
-  return {edge: better, missing, range: [ends[0] - pad, ends[1] + pad]};
+  return {edge: better, missing, low, high, range: [ends[0] - pad, ends[1] + pad]};
 }
 
 function axisLayout(axis, info, view) {
@@ -121,13 +123,16 @@ function axisLayout(axis, info, view) {
   };
   if (!axis.log && !info.missing) return made;
   const ticks = axis.log ? logTicks(...view) : linearTicks(...view);
-  const values = ticks.values.map((value, i) => ({value, text: ticks.texts[i]}));
-  // Beyond the last value with a place a tick would be read as a scale that goes on.
-  const kept = info.missing ? values.filter(({value}) => Math.abs(value - info.edge) > 0.03 * (view[1] - view[0]) &&
-                                            (axis.better === "high" ? value < info.edge : value > info.edge)) : values;
+  // Beyond the last value with a place ticks would be read as a scale that goes on to the edge.
+  const gap = 0.4 * Math.abs(info.edge - (axis.better === "high" ? info.high : info.low));
+  const scaled = (value) => !info.missing || (axis.better === "high" ? value < info.edge - gap : value > info.edge + gap);
+  const kept = ticks.values.map((value, i) => ({value, text: ticks.texts[i]})).filter(({value}) => scaled(value));
   if (info.missing) kept.push({value: info.edge, text: axis.none ?? "0"});
   Object.assign(made, {tickmode: "array", tickvals: kept.map(({value}) => value), ticktext: kept.map(({text}) => text)});
-  if (axis.log) made.minor = {tickmode: "array", tickvals: ticks.minor, ticks: "outside", ticklen: 3, tickcolor: colour("edge"), showgrid: false};
+  if (axis.log) {
+    made.minor = {tickmode: "array", tickvals: ticks.minor.filter(scaled), ticks: "outside", ticklen: 3,
+                  tickcolor: colour("edge"), showgrid: false};
+  }
   return made;
 }
 
@@ -151,7 +156,7 @@ function trace(series, spec, axes) {
     type: "scatter", mode: points.length > 1 ? "lines+markers" : "markers", name: series.id, meta: {series: series.id},
     x: at("x"), y: at("y"), connectgaps: false, hoverinfo: "text", hovertext: points.map((point) => point.hover ?? ""),
     line: {color: ink, width: 1.6, dash: series.family.dash},
-    marker: {color: ink, symbol: series.family.symbol, size: 9, line: {color: colour("page"), width: 1}},
+    marker: {color: ink, symbol: series.family.symbol, size: 10, line: {color: colour("page"), width: 1}},
   };
   if (spec.bars) {
     const axis = spec[spec.bars], middle = made[spec.bars];
@@ -207,9 +212,16 @@ function labelsOf(spec, shown, axes, view, size, narrow) {
         if (point.label) labels.push({...at, text, width: textWidth(text), height: 15, family: series.family});
       }
       if (at !== null && last !== null) obstacles.lines.push([last, at]);
+      if (at !== null && spec.bars && isNumber(point.low) && isNumber(point.high))
+        obstacles.lines.push([pixel({...point, [spec.bars]: point.low}), pixel({...point, [spec.bars]: point.high})]);
       last = at;
     }
   }
+  const front = listOf(spec.front).map(pixel).sort((a, b) => a.x - b.x);
+  front.forEach((at, i) => {
+    const next = front[i + 1] ?? {x: size.width, y: at.y};
+    obstacles.lines.push([at, {x: next.x, y: at.y}], [{x: next.x, y: at.y}, next]);
+  });
   if (spec.untold) {
     const y = along(spec.y, spec.untold.y), top = spec.y.better === "high";
     const line = pixel({x: null, y: spec.untold.y}).y;
@@ -226,7 +238,7 @@ function labelsOf(spec, shown, axes, view, size, narrow) {
     made.push({
       x: view.x[0] + x / size.width * (view.x[1] - view.x[0]), y: view.y[1] - y / size.height * (view.y[1] - view.y[0]),
       ax: place.x - x, ay: place.y - y, text: escaped(text), font: {size: labelFont, color: ink}, showarrow: true, arrowhead: 0,
-      arrowwidth: 0.8, arrowcolor: place.reach > 8 ? ink : "rgba(0,0,0,0)", standoff: 5, borderpad: 1, name: "label",
+      arrowwidth: 0.8, arrowcolor: place.reach > 8 ? ink : "rgba(0,0,0,0)", standoff: 5, borderpad: 0, bgcolor: colour("veil"), name: "label",
     });
   });
   return made;

@@ -34,7 +34,7 @@ function hoverText(family, cell) {
     `RMSE ${short(cell.rmse)}, PSNR ${cell.rmse === 0 ? "∞" : fixed(1)(cell.psnr_db)} dB`,
   ];
   if (isNumber(cell.ssim)) lines.push(`SSIM ${cell.ssim.toFixed(5)}`);
-  if (isNumber(cell.flip)) lines.push(`ꟻLIP ${short(cell.flip)}`);
+  if (isNumber(cell.flip)) lines.push(`FLIP ${short(cell.flip)}`);
   if (isNumber(cell.max_abs)) lines.push(`largest difference ${short(cell.max_abs)}`);
   return lines.join("<br>");
 }
@@ -62,7 +62,7 @@ function sceneSpec(scene, families, measure, hidden) {
   const drawable = (cell) => isDone(cell) && isNumber(median(cell)) && measure.of(cell) !== null && measure.of(cell) !== undefined;
   const pointOf = (family, cell) => ({
     x: median(cell), y: measure.of(cell), low: cell.seconds.least, high: cell.seconds.most, cell,
-    label: tag(family, cell), brief: String(cell.label ?? cell.setting ?? family.short), hover: hoverText(family, cell),
+    label: tag(family, cell), brief: String(cell.label || family.short), hover: hoverText(family, cell),
   });
   const series = [...families.values()].map((family) => ({
     id: family.id, family, hidden: hidden.has(family.id),
@@ -92,7 +92,7 @@ function plotFigure(id, title, families, cells, choices, specOf, caption, low) {
   const hidden = new Set();
   let measure = choices?.[0];
   const about = element("p", {class: "soft small"}, measure?.about ?? "");
-  const note = element("figcaption", {id: `${id}-how`}, caption);
+  const note = element("figcaption", {id: `${id}-how`}, element("details", {open: plots.length === 0}, element("summary", {}, "How to read this plot"), caption));
   const host = element("div", {id, class: low ? "plot low" : "plot", role: "img", "aria-label": title, "aria-describedby": note.id});
   const plot = new Plot(host, () => specOf(measure, hidden));
   const select = choices ? chooser("Judge by", choices.map(({id: value, name}) => [value, name]), measure?.id, (value) => {
@@ -111,7 +111,7 @@ function scenePlot(scene, families) {
   return plotFigure(
     `plot-${scene.id}`, `Accuracy against time, ${scene.title ?? scene.id}`, families, cells, choices,
     (measure, hidden) => sceneSpec(scene, families, measure, hidden),
-    ["How to read: each point is one method at one setting. Further left is faster; further down (for PSNR, up) is more " +
+    ["Each point is one method at one setting. Further left is faster; further down (for PSNR, up) is more " +
      "accurate. Both axes are logarithmic, but for PSNR, which is a logarithm. Bars run from the fastest to the slowest " +
      "repeat. The broad grey steps are the Pareto front: no other result is both faster and more accurate than one on it. " +
      "In the grey area results differ from the reference by no more than the reference differs from the truth. A result " +

@@ -67,7 +67,7 @@ function growthSection(id, heading, lead, rows, key, unit, title, families, part
   return section;
 }
 
-const readLines = "How to read: each line is one method at one setting, named at its end; axes are logarithmic. ";
+const readLines = "Each line is one method at one setting, named at its end; axes are logarithmic. ";
 
 function motionSection(rows, families) {
   return growthSection("motion-length", "As the motion grows", "The same scene with more and more motion during the exposure, in pixels (median over the points).",

@@ -60,6 +60,8 @@ function tableRow(columns, row, reason) {
   return element("tr", {class: reason === null ? null : "failed"}, cells);
 }
 
+const spread = (cell) => (median(cell) > 0 ? (cell.seconds.most - cell.seconds.least) / median(cell) : null);
+
 const failure = (cell) => (isDone(cell) ? null : `${cell.status ?? "failed"}${cell.error ? `: ${cell.error}` : ""}`);
 
 /** All that was measured of `cells`; columns that no cell has a value for are left out. */
@@ -73,12 +75,11 @@ function cellTable(caption, cells, families, leading = []) {
     {title: "Setting", text: true, value: (cell) => cell.setting ?? "",
      node: (cell, text) => [text || "–", cell.pareto ? element("span", {class: "soft", title: "On the Pareto front"}, " ◂ front") : null]},
     number("Time, s", "Median of the repeats", median, short),
-    number("fastest", "Fastest repeat, s", (cell) => cell.seconds?.least, short),
-    number("slowest", "Slowest repeat, s", (cell) => cell.seconds?.most, short),
+    number("Spread", "From the fastest repeat to the slowest, as a share of the median", spread, percent),
     number("RMSE", "Linear RGB", (cell) => cell.rmse, short),
     number("PSNR, dB", "", (cell) => measures[1].of(cell), (value) => (value === Infinity ? "∞" : fixed(1)(value))),
     number("SSIM", "Structural similarity, 1 at best", (cell) => cell.ssim, fixed(5)),
-    number("ꟻLIP", "Mean perceived difference, 0 at best", (cell) => cell.flip, short),
+    number("FLIP", "Mean perceived difference, 0 at best", (cell) => cell.flip, short),
     number("Largest difference", "Worst channel of the worst pixel, linear", (cell) => cell.max_abs, short),
     number("Beyond 1/255", "Share of pixels off by more than 1/255", (cell) => cell.share_over_1_255, percent),
     number("Fragments", "", (cell) => cell.fragments, whole),
