@@ -11,9 +11,10 @@ namespace swept {
 
 /// Writes the report of a study to `path`, complete or not at all.
 ///
-/// `study` is the study's document (version 1); what is null or absent in it is left out of the page. The images
-/// that it names, PNG files relative to `image_folder`, go into the page. Numbers that are not finite become
-/// null. Errors: no "scenes" list, an image that cannot be read or is no PNG, a page that cannot be written.
+/// `study` is the study's document (version 1); what is null or absent in it is left out of the page. The
+/// images that it names, PNG files relative to `image_folder`, go into the page. Numbers that are not finite
+/// become null. Errors: no "scenes" list, an image that cannot be read or is no PNG, a page that cannot be
+/// written.
 [[nodiscard]] Status write_report(const std::string& path, const nlohmann::ordered_json& study,
                                   const std::string& image_folder);
 
