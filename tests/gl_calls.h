@@ -28,11 +28,12 @@ class Replaced {
   /// The function replaced.
   template <class... Arguments>
   static auto original(Arguments... arguments) {
-    // Where it was never called before, libepoxy looks it up, and sets the pointer.
+    // Where it was never called before, libepoxy looks it up now, and sets the pointer.
+    pointer = current_->original_;
     struct Restore {
-      ~Restore() { pointer = current_->function_; }
+      ~Restore() { current_->original_ = std::exchange(pointer, current_->function_); }
     } restore;
-    return current_->original_(arguments...);
+    return pointer(arguments...);
   }
 
  private:
