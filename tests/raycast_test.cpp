@@ -1,0 +1,325 @@
+#include "tools/study/raycast.h"
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "abuffer/abuffer.h"
+
+namespace swept {
+namespace {
+
+using Eigen::Vector3d;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
+  Vector3d vector(double low, double high) {
+    const double x = (*this)(low, high), y = (*this)(low, high);
+    return {x, y, (*this)(low, high)};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// 64 × 48 px; the shutter is open from frame 0 to 1. The eye looks along −z of the world from z = 5.
+Scene stage() {
+  Scene scene;
+  scene.film = {64, 48, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats.emplace_back();
+  scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
+  return scene;
+}
+
+void add_disc(Object& object, const Vector3d& position, const Vector3d& normal, double radius,
+              const Eigen::Vector3f& color = Eigen::Vector3f::Ones()) {
+  if (object.cloud.keys.empty()) object.cloud.keys.resize(1);
+  const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+  SurfelPose& pose = object.cloud.keys.front().pose;
+  pose.position.push_back(position);
+  pose.axis_u.push_back((radius * u).cast<float>());
+  pose.axis_v.push_back((radius * v).cast<float>());
+  object.cloud.color.push_back(color);
+}
+
+Object checkered_sphere(double radius, int points) {
+  Object object;
+  for (int i = 0; i < points; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / points, angle = i * 2.399963229728653;
+    const Vector3d n(std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z);
+    const bool odd = (static_cast<int>((n.x() + 1.0) * 4.0) + static_cast<int>((n.y() + 1.0) * 4.0)) % 2 != 0;
+    add_disc(object, radius * n, n, radius * std::sqrt(4.0 * M_PI / points),
+             odd ? Eigen::Vector3f(0.9f, 0.2f, 0.1f) : Eigen::Vector3f(0.1f, 0.3f, 0.9f));
+  }
+  return object;
+}
+
+void move(Object& object, const Vector3d& from, const Vector3d& to, double radians) {
+  TransformKey open, close;
+  close.frame = 1.0;
+  open.translate = from;
+  close.translate = to;
+  open.rotate_axis = close.rotate_axis = Vector3d(0.6, 0.8, 0.0);
+  close.rotate_radians = radians;
+  object.transform.keys = {open, close};
+}
+
+/// Two spheres that pass through each other, in front of a still one.
+Scene spheres() {
+  Scene scene = stage();
+  scene.model.segments = 3;
+  scene.objects = {checkered_sphere(0.8, 900), checkered_sphere(0.7, 700), checkered_sphere(0.5, 400)};
+  move(scene.objects[0], {-0.8, -0.2, 0.6}, {0.5, 0.1, -0.6}, 0.8);
+  move(scene.objects[1], {0.9, 0.3, -0.5}, {-0.1, -0.2, 0.5}, 0.0);
+  move(scene.objects[2], {0.2, 0.8, -2.0}, {0.2, 0.8, -2.0}, 0.0);
+  return scene;
+}
+
+Scene translucent_particles() {
+  Scene scene = stage();
+  Random random(5);
+  Object object;
+  for (int i = 0; i < 1500; ++i) {
+    add_disc(object, random.vector(-2, 2), random.vector(-1, 1).normalized(), random(0.01, 0.08),
+             random.vector(0, 1).cast<float>());
+    object.cloud.velocity.push_back(random.vector(-1, 1).cast<float>());
+    object.cloud.opacity.push_back(static_cast<float>(random(0.3, 1.0)));
+  }
+  scene.objects = {object};
+  return scene;
+}
+
+/// Discs fly at the eye, through the near plane.
+Scene fly_past() {
+  Scene scene = stage();
+  scene.camera.near = 0.05;
+  Object object;
+  Random random(9);
+  for (int i = 0; i < 60; ++i) {
+    add_disc(object, {random(-0.5, 0.5), random(-0.5, 0.5), random(3.0, 4.8)},
+             random.vector(-1, 1).normalized(), 0.15, random.vector(0, 1).cast<float>());
+  }
+  object.cloud.velocity.assign(object.cloud.size(), Eigen::Vector3f(0.0f, 0.0f, 2.0f));
+  scene.objects = {object};
+  return scene;
+}
+
+/// One large disc before the eye, at the given depth.
+Scene wall(double depth, const Vector3d& normal = Vector3d::UnitZ()) {
+  Scene scene = stage();
+  Object object;
+  add_disc(object, {0.0, 0.0, 5.0 - depth}, normal, 20.0 * depth);
+  scene.objects = {object};
+  return scene;
+}
+
+Rendered cast(const Scene& scene, const RaycastOptions& options = {}) {
+  Result<Rendered> rendered = render_raycast(scene, options);
+  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
+  return std::move(rendered).value();
+}
+
+Image exact(const Scene& scene) {
+  Result<Rendered> rendered = render_abuffer(scene);
+  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
+  return std::move(rendered).value().image;
+}
+
+double counter(const Rendered& rendered, const std::string& name) {
+  for (const auto& [key, value] : rendered.statistics.counters)
+    if (key == name) return value;
+  ADD_FAILURE() << "no counter " << name;
+  return 0.0;
+}
+
+/// Of RGBA: root of the mean square, and mean.
+struct Difference {
+  double rms = 0.0, mean = 0.0, largest = 0.0;
+  explicit Difference(const Image& a, const Image& b) {
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+      const double d = static_cast<double>(a.rgba[i]) - static_cast<double>(b.rgba[i]);
+      rms += d * d;
+      mean += d;
+      largest = std::max(largest, std::abs(d));
+    }
+    rms = std::sqrt(rms / static_cast<double>(a.rgba.size()));
+    mean /= static_cast<double>(a.rgba.size());
+  }
+};
+
+class Raycast : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!raycast_available()) GTEST_SKIP() << "built without Embree";
+  }
+};
+
+/// The mean of n values in [0, 1] of which each is drawn within its own stratum has a variance of at most
+/// n (1/4) / n². The variance of strata in which nothing jumps is far less, and the share of the others falls
+/// with n: four times the rays then quarter the error, where drawing without strata halves it.
+///
+/// Rays know no bias: the mean over P pixels, drawn independently of each other, is off by the error of one
+/// over √P, in standard deviations. Its four channels hang together, which the factor 2 allows for. The
+/// exact image errs too: by 2⁻¹⁵ root mean square at most (90 dB), as tools/accuracy finds it.
+void expect_convergence(const Scene& scene) {
+  const Image image = exact(scene);
+  const Difference at_16(cast(scene, {16, 2}).image, image), at_64(cast(scene, {64, 2}).image, image);
+  EXPECT_LE(at_16.rms, std::sqrt(0.25 / 16));
+  EXPECT_LE(at_64.rms, at_16.rms / 3.0);
+  EXPECT_GT(at_64.rms, 0.0);
+  const double pixels = static_cast<double>(image.pixel_count());
+  EXPECT_LE(std::abs(at_64.mean), 4.0 * 2.0 * at_64.rms / std::sqrt(pixels) + 0x1p-15);
+}
+
+TEST_F(Raycast, ConvergesToTheExactImage) { expect_convergence(spheres()); }
+TEST_F(Raycast, ConvergesOnTranslucentParticles) { expect_convergence(translucent_particles()); }
+TEST_F(Raycast, ConvergesThroughTheNearPlane) { expect_convergence(fly_past()); }
+
+TEST_F(Raycast, ConvergesUnderHardCoverage) {
+  Scene scene = spheres();
+  scene.model.coverage = Coverage::hard;
+  expect_convergence(scene);
+}
+
+TEST_F(Raycast, ConvergesOnOneSidedSurfaces) {
+  Scene scene = spheres();
+  for (Object& object : scene.objects) object.two_sided = false;
+  expect_convergence(scene);
+}
+
+TEST_F(Raycast, OneRayIsTheStillImageWhereNothingMoves) {
+  for (Scene scene : {spheres(), translucent_particles(), fly_past()}) {
+    scene.shutter.close = scene.shutter.open;
+    const Rendered rendered = cast(scene, {64, 2});
+    EXPECT_EQ(counter(rendered, "samples"), 1.0);
+    EXPECT_EQ(counter(rendered, "rays"), 64.0 * 48.0);
+    // The same fragments through the same code. Their coordinates are double precision on both sides, and
+    // (u, v) the same expression: a float may round the other way, which is 2⁻²³ of a sum that is below 1,
+    // a hundred times over at most.
+    const Difference difference(rendered.image, exact(scene));
+    EXPECT_LE(difference.largest, 100 * 0x1p-23);
+  }
+}
+
+TEST_F(Raycast, ThreadsChangeNoBitAndSeedsDo) {
+  for (const Scene& scene : {spheres(), translucent_particles()}) {
+    const Image one = cast(scene, {8, 1}).image, two = cast(scene, {8, 2}).image;
+    EXPECT_EQ(one.rgba, two.rgba);
+    EXPECT_EQ(one.depth, two.depth);
+    EXPECT_NE(one.rgba, cast(scene, {8, 2, 2}).image.rgba);
+  }
+}
+
+TEST_F(Raycast, CropEqualsThosePixelsOfTheFrame) {
+  Scene scene = spheres();
+  const Image whole = cast(scene, {4, 2}).image;
+  scene.film = {64, 48, 20, 12, 24, 17};
+  const Image crop = cast(scene, {4, 2}).image;
+  ASSERT_EQ(crop.rgba.size(), 4u * 24u * 17u);
+  for (int y = 0; y < 17; ++y) {
+    for (int x = 0; x < 24 * 4; ++x) {
+      EXPECT_EQ(crop.rgba[static_cast<std::size_t>(y * 24 * 4 + x)],
+                whole.rgba[static_cast<std::size_t>(((y + 12) * 64 + 20) * 4 + x)]);
+    }
+  }
+}
+
+TEST_F(Raycast, OneSidedDiscsAreSeenFromTheirFrontOnly) {
+  for (const double side : {1.0, -1.0}) {
+    Scene scene = wall(2.0, side * Vector3d::UnitZ());
+    scene.background.setZero();
+    scene.objects[0].two_sided = false;
+    const Image image = cast(scene).image;
+    for (std::size_t p = 0; p < image.pixel_count(); ++p)
+      EXPECT_NEAR(image.rgba[4 * p + 3], side > 0.0 ? 1.0 : 0.0, 0x1p-23);
+  }
+}
+
+TEST_F(Raycast, NothingIsSeenBeforeTheNearPlane) {
+  for (const double depth : {0.4999, 0.5001}) {
+    Scene scene = wall(depth);
+    scene.background.setZero();
+    scene.camera.near = 0.5;
+    const Image image = cast(scene).image;
+    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+      EXPECT_NEAR(image.rgba[4 * p + 3], depth > 0.5 ? 1.0 : 0.0, 0x1p-23);
+      if (depth > 0.5) {
+        EXPECT_NEAR(image.depth[p], depth, 1e-6);
+      }
+    }
+  }
+}
+
+TEST_F(Raycast, SegmentsMeetWithoutGapOrOverlap) {
+  // Half transparent, so that what is met twice shows as much as what is not met at all.
+  Scene scene = wall(3.0);
+  scene.background.setZero();
+  scene.model.segments = 7;
+  scene.objects[0].cloud.opacity = {0.5f};
+  scene.objects[0].cloud.velocity = {Eigen::Vector3f(0.5f, 0.25f, 0.1f)};
+  const Rendered rendered = cast(scene, {128, 2});
+  EXPECT_EQ(counter(rendered, "motion_ranges"), 7.0);
+  EXPECT_EQ(counter(rendered, "hits"), counter(rendered, "rays"));
+  // 128 sums of 0.5, each off by less than 2⁻²³.
+  for (std::size_t p = 0; p < rendered.image.pixel_count(); ++p)
+    EXPECT_NEAR(rendered.image.rgba[4 * p + 3], 0.5, 0x1p-22);
+}
+
+TEST_F(Raycast, WhatOpaqueDiscsHideIsNotMet) {
+  Scene scene = stage();
+  Object object;
+  // Each fills the frame, and the nearest is not the first.
+  for (int i = 0; i < 64; ++i) {
+    const double depth = 3.0 + (i * 37) % 64;
+    add_disc(object, {0.0, 0.0, 5.0 - depth}, Vector3d::UnitZ(), 3.0 * depth);
+  }
+  scene.model.depth_tolerance = 0.0;  // no two are one surface
+  scene.objects = {object};
+  const double rays = 64 * 48;
+  const Rendered opaque = cast(scene);
+  EXPECT_LT(counter(opaque, "hits"), 8 * rays);
+  const Image image = exact(scene);
+  EXPECT_LE(Difference(opaque.image, image).largest, 100 * 0x1p-23);
+
+  scene.objects[0].cloud.opacity.assign(64, 0.5f);
+  const Rendered veils = cast(scene);
+  EXPECT_EQ(counter(veils, "hits"), 64 * rays);
+  EXPECT_LE(Difference(veils.image, exact(scene)).largest, 100 * 0x1p-23);
+}
+
+TEST_F(Raycast, RefusesWhatEmbreeDoesNotSee) {
+  Scene scene = wall(2.0);
+  scene.objects[0].cloud.keys[0].pose.position[0].x() = 2e18;
+  const Result<Rendered> rendered = render_raycast(scene);
+  ASSERT_FALSE(rendered.ok());
+  EXPECT_NE(rendered.error().message().find("10^18"), std::string::npos);
+}
+
+TEST(RaycastOptions, AreChecked) {
+  EXPECT_TRUE(RaycastOptions{}.validate().ok());
+  EXPECT_EQ((RaycastOptions{0}.validate().error().field), "samples");
+  EXPECT_EQ((RaycastOptions{(1 << 20) + 1}.validate().error().field), "samples");
+  EXPECT_EQ((RaycastOptions{1, -1}.validate().error().field), "threads");
+  EXPECT_EQ((RaycastOptions{1, 1025}.validate().error().field), "threads");
+  EXPECT_FALSE(render_raycast(stage(), {0}).ok());
+}
+
+TEST(RaycastAvailable, SaysWhetherRaysCanBeCast) {
+  const Result<Rendered> rendered = render_raycast(stage());
+  EXPECT_EQ(rendered.ok(), raycast_available());
+  if (!rendered) {
+    EXPECT_NE(rendered.error().message().find("Embree"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace swept
