@@ -273,6 +273,28 @@ TEST_F(GpuImage, TheSameSceneGivesTheSameBitsAgain) {
   EXPECT_EQ(render(scene, six(2)).rgba, first.rgba);
 }
 
+TEST_F(GpuImage, AOneSidedSphereIsNotSeenFromWithin) {
+  Scene scene = spheres();
+  scene.objects.pop_back();
+  scene.camera.look_ats.back().eye.z() = 0.1;
+  scene.camera.look_ats.back().target.z() = -1.0;
+  scene.shutter.close = 0.5;
+  TransformKey key;
+  scene.objects[0].transform.keys.push_back(key);
+  key.frame = 1.0;
+  key.translate.x() = 0.4;
+  scene.objects[0].transform.keys.push_back(key);
+  for (const GpuRenderOptions& options : {six(1), six(3), still(2)}) {
+    scene.objects[0].two_sided = false;
+    const Image from_within = render(scene, options);
+    for (std::size_t i = 0; i < from_within.rgba.size(); ++i)
+      ASSERT_NEAR(from_within.rgba[i], scene.background[i % 4], 4 * 0x1p-24) << i;
+    scene.objects[0].two_sided = true;
+    const Image two_sided = render(scene, options);
+    for (std::size_t p = 0; p < two_sided.pixel_count(); ++p) ASSERT_LT(two_sided.depth[p], 2.0f) << p;
+  }
+}
+
 TEST_F(GpuImage, AnEmptySceneIsTheBackground) {
   Scene scene = spheres();
   scene.objects.clear();
