@@ -1,4 +1,5 @@
 // The definition: one member after the other. Compiled without vectors and without liberties.
+#define SWEPT_PLAIN_LANES
 #include "abuffer/interval_math_loops.h"
 
 namespace swept {

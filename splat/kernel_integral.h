@@ -27,13 +27,15 @@ template <>
 struct GaussianSeries<float> {
   /// Terms n ≤ 4. Where `holds`, the first one dropped is below 2⁻²³: it is at most (m s)¹⁰/11! +
   /// s¹⁰/(4⁵·5!·11).
-  [[nodiscard]] static float factor(float middle, float span) {
-    const float m2 = 4.0f * middle * middle;
-    const float h2 = m2 - 2.0f;
-    const float h4 = (m2 - 12.0f) * m2 + 12.0f;
-    const float h6 = ((m2 - 30.0f) * m2 + 180.0f) * m2 - 120.0f;
-    const float h8 = (((m2 - 56.0f) * m2 + 840.0f) * m2 - 3360.0f) * m2 + 1680.0f;
-    const float s2 = span * span;
+  /// `V`: float, or a vector of floats.
+  template <class V>
+  [[nodiscard, gnu::always_inline]] static inline V factor(const V& middle, const V& span) {
+    const V m2 = 4.0f * middle * middle;
+    const V h2 = m2 - 2.0f;
+    const V h4 = (m2 - 12.0f) * m2 + 12.0f;
+    const V h6 = ((m2 - 30.0f) * m2 + 180.0f) * m2 - 120.0f;
+    const V h8 = (((m2 - 56.0f) * m2 + 840.0f) * m2 - 3360.0f) * m2 + 1680.0f;
+    const V s2 = span * span;
     return 1.0f + s2 * (h2 * (1.0f / 24.0f) +
                         s2 * (h4 * (1.0f / 1920.0f) +
                               s2 * (h6 * (1.0f / 322560.0f) + s2 * (h8 * (1.0f / 92897280.0f)))));
