@@ -1,11 +1,19 @@
 // The GPU modes as the command offers them.
+#include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
+#include <thread>
+#include <tuple>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -123,12 +131,103 @@ TEST_F(GpuCommand, ListsTheDevicesWithoutAScene) {
   EXPECT_EQ(swept("info scene.json --gpus").exit_code, 2);
 }
 
+TEST_F(GpuCommand, SeveralFramesAreThoseRenderedOneByOne) {
+  ASSERT_EQ(swept("render scene.json -o all.#.exr --preview all.#.png --frames 5,1-4 --method gpu "
+                  "--subframes 2 --stats-json all.json")
+                .exit_code,
+            0);
+  const auto stats = nlohmann::json::parse(content_of(folder_ / "all.json"));
+  ASSERT_EQ(stats["frames"].size(), 5u);
+  std::size_t place = 0;
+  for (const int frame : {5, 1, 2, 3, 4}) {
+    SCOPED_TRACE(frame);
+    const std::string number = std::to_string(frame);
+    ASSERT_EQ(swept("render scene.json -o one.exr --preview one.png --overwrite --method gpu --subframes 2 "
+                    "--stats-json one.json --frames " +
+                    number)
+                  .exit_code,
+              0);
+    EXPECT_EQ(content_of(folder_ / ("all." + number + ".exr")), content_of(folder_ / "one.exr"));
+    EXPECT_EQ(content_of(folder_ / ("all." + number + ".png")), content_of(folder_ / "one.png"));
+    const auto one = nlohmann::json::parse(content_of(folder_ / "one.json"))["frames"][0];
+    const auto& of_all = stats["frames"][place++];
+    EXPECT_EQ(of_all["frame"], frame);
+    EXPECT_EQ(of_all["counters"], one["counters"]);
+    EXPECT_EQ(of_all["effects"], one["effects"]);
+    EXPECT_EQ(of_all["stages"].size(), one["stages"].size());
+    EXPECT_GT(of_all["seconds"]["render"], 0.0);
+    EXPECT_GT(of_all["seconds"]["write"], 0.0);
+  }
+}
+
+TEST_F(GpuCommand, AFailedFrameKeepsThoseBeforeItAlsoWhenTheyAreInFlight) {
+  for (const char* name : {"w.1.obj", "w.2.obj"}) put(folder_ / name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  std::string text = small_scene;
+  const std::string source = R"({"generator": "sphere", "points": 300})";
+  text.replace(text.find(source), source.size(), R"({"sequence": "w.#.obj", "first": 1, "last": 4})");
+  put(folder_ / "scene.json", text);
+  const Outcome outcome =
+      swept("render scene.json -o f.#.exr --frames 1-4 --shutter 0,0.5 --method gpu --stats-json stats.json");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("w.3.obj (frame 2)"), std::string::npos) << outcome.err;
+  EXPECT_EQ(folder_.names(), (std::set<std::string>{"scene.json", "w.1.obj", "w.2.obj", "f.1.exr"}));
+}
+
 TEST_F(GpuCommand, KilledInAFrameItLeavesNoFile) {
   const Outcome outcome = swept(
       "render scene.json -o out.exr --preview out.png --method gpu --subframes 65536", "timeout -s KILL 0.5");
   EXPECT_EQ(outcome.exit_code, 137) << outcome.err;
   EXPECT_FALSE(exists("out.exr"));
   EXPECT_FALSE(exists("out.png"));
+}
+
+/// Names in the folder that contain `part`.
+int count_of(const std::set<std::string>& names, const std::string& part) {
+  int count = 0;
+  for (const std::string& name : names) count += name.find(part) != std::string::npos ? 1 : 0;
+  return count;
+}
+
+TEST_F(GpuCommand, KilledWhileItWritesItLeavesWholeFramesAlone) {
+  for (const int frames_before : {0, 3}) {
+    SCOPED_TRACE(frames_before);
+    const TemporaryFolder out;
+    const std::string scene = folder_ / "scene.json", output = out / "f.%03d.exr", size = "512x384";
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(126);
+      execl(SWEPT_COMMAND, SWEPT_COMMAND, "render", scene.c_str(), "-o", output.c_str(), "--frames", "1-300",
+            "--size", size.c_str(), "--method", "gpu", "--subframes", "1", nullptr);
+      _exit(127);
+    }
+    // In the midst of a frame's file, after as many whole ones.
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    bool caught = false;
+    while (!caught && std::chrono::steady_clock::now() < deadline) {
+      const std::set<std::string> names = out.names();
+      const int unfinished = count_of(names, ".exr.tmp");
+      caught = unfinished > 0 && static_cast<int>(names.size()) - unfinished >= frames_before;
+      if (!caught) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    EXPECT_EQ(kill(child, SIGKILL), 0);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(caught);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    const std::set<std::string> names = out.names();
+    const int whole = static_cast<int>(names.size()) - count_of(names, ".tmp");
+    EXPECT_GE(whole, frames_before);
+    EXPECT_LT(whole, 300);
+    // All of them without a gap, and each of them whole.
+    for (int frame = 1; frame <= whole; ++frame) {
+      const std::string name = fmt::format("f.{:03}.exr", frame);
+      ASSERT_EQ(names.count(name), 1u) << name;
+      const Result<Image> image = read_exr(out / name);
+      ASSERT_TRUE(image) << image.error().message();
+      EXPECT_EQ(image->width, 512);
+    }
+  }
 }
 
 }  // namespace
