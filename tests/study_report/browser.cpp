@@ -190,13 +190,15 @@ json Browser::rectangle(const std::string& selector) {
   return {{"x", 0.0}, {"y", 0.0}, {"width", 0.0}, {"height", 0.0}};
 }
 
-void Browser::click(const std::string& selector) {
+void Browser::click(const std::string& selector, int times) {
   const json box = rectangle(selector);
   const double x = box["x"].get<double>() + box["width"].get<double>() / 2;
   const double y = box["y"].get<double>() + box["height"].get<double>() / 2;
-  for (const char* type : {"mousePressed", "mouseReleased"})
-    call("Input.dispatchMouseEvent",
-         {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}});
+  for (int count = 1; count <= times; ++count) {
+    for (const char* type : {"mousePressed", "mouseReleased"})
+      call("Input.dispatchMouseEvent",
+           {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", count}});
+  }
 }
 
 void Browser::press(const std::string& key) {

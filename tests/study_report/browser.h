@@ -36,7 +36,7 @@ class Browser {
 
   /// Real input, as the browser gets it from a person. Places are of the middle of the first element that
   /// matches.
-  void click(const std::string& selector);
+  void click(const std::string& selector, int times = 1);
   void press(const std::string& key);
   void drag(const std::string& selector, double from_x, double to_x, bool touch);
 
