@@ -1,11 +1,11 @@
 // One plot: series of points with markers, lines, error bars and labels.
 
 const plots = [];
-const labelFont = 11.5;
+const labelFont = 11.5, columnGap = 26;  // px
 const fontFamily = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
 
 const textWidth = (() => {
-  const context = document.createElement("canvas").getContext("2d");
+  const context = document.createElement('canvas').getContext('2d');
   return (text) => {
     context.font = `${labelFont}px ${fontFamily}`;
     return context.measureText(text).width + 4;
@@ -22,7 +22,9 @@ const textWidth = (() => {
  *             `broken` ends the line: a failed result that has no place in the plot
  *   front     points of the Pareto front, or none
  *   untold    {y, text}: a line, and from it towards less error nothing can be told
- * A y of null, or not positive on a logarithmic axis, or infinite, stands at the axis's edge: no error at all.
+ *   column    labels stand in a column at the right, beside the ends of their lines
+ * A y of null, or not positive on a logarithmic axis, or infinite, stands at the axis's edge: no error at
+ * all.
  */
 class Plot {
   constructor(host, describe) {
@@ -42,30 +44,47 @@ class Plot {
 
   draw() {
     const width = this.host.clientWidth;
-    if (width === 0 || typeof Plotly === "undefined") return;
+    if (width === 0 || typeof Plotly === 'undefined') return;
     const narrow = width < 600;
     const spec = this.describe();
     const shown = spec.series.filter((series) => !series.hidden);
-    const axes = {x: rangeOf(spec, shown, "x"), y: rangeOf(spec, shown, "y")};
+    const axes = {x: rangeOf(spec, shown, 'x'), y: rangeOf(spec, shown, 'y')};
     // The library's buttons stand above the plot, where they hide nothing.
-    const margin = {l: narrow ? 58 : 76, r: 14, t: 34, b: 52};
+    const margin = {l: narrow ? 68 : 76, r: 14, t: 34, b: 52};
     const size = {width: width - margin.l - margin.r, height: this.host.clientHeight - margin.t - margin.b};
+    if (spec.column) makeRoom(axes.x, shown, size, narrow);
     const view = this.zoom ?? {x: axes.x.range, y: axes.y.range};
     const layout = {
-      autosize: false, width, height: this.host.clientHeight, margin, showlegend: false, hovermode: "closest",
-      dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
-      paper_bgcolor: colour("page"), plot_bgcolor: colour("page"),
-      font: {family: fontFamily, size: 13, color: colour("text")},
-      hoverlabel: {font: {family: fontFamily, size: 13}, align: "left", bgcolor: colour("panel"), bordercolor: colour("edge")},
-      xaxis: axisLayout(spec.x, axes.x, view.x), yaxis: axisLayout(spec.y, axes.y, view.y),
-      shapes: untoldShapes(spec, axes.y), annotations: labelsOf(spec, shown, axes, view, size, narrow),
+      autosize: false,
+      width,
+      height: this.host.clientHeight,
+      margin,
+      showlegend: false,
+      hovermode: 'closest',
+      dragmode: matchMedia('(pointer: coarse)').matches ? false : 'zoom',
+      paper_bgcolor: colour('page'),
+      plot_bgcolor: colour('page'),
+      font: {family: fontFamily, size: 13, color: colour('text')},
+      hoverlabel: {
+        font: {family: fontFamily, size: 13},
+        align: 'left',
+        bgcolor: colour('panel'),
+        bordercolor: colour('edge')
+      },
+      xaxis: axisLayout(spec.x, axes.x, view.x),
+      yaxis: axisLayout(spec.y, axes.y, view.y),
+      shapes: untoldShapes(spec, axes.y),
+      annotations: labelsOf(spec, shown, axes, view, size, narrow),
     };
     const traces = [...frontTrace(spec, axes), ...shown.map((series) => trace(series, spec, axes))];
     Plotly.react(this.host, traces, layout, {
-      displaylogo: false, responsive: false, doubleClick: "reset", plotlyServerURL: "",
+      displaylogo: false,
+      responsive: false,
+      doubleClick: 'reset',
+      plotlyServerURL: '',
       // Named one by one: the library's own choice has a button that sends the data away.
-      modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
-      toImageButtonOptions: {format: "svg", filename: this.host.id || "plot"},
+      modeBarButtons: [['toImage'], ['zoom2d', 'pan2d'], ['zoomIn2d', 'zoomOut2d', 'resetScale2d']],
+      toImageButtonOptions: {format: 'svg', filename: this.host.id || 'plot'},
     });
     this.listen();
   }
@@ -74,13 +93,13 @@ class Plot {
   listen() {
     if (this.listening) return;
     this.listening = true;
-    this.host.on("plotly_relayout", (change) => {
+    this.host.on('plotly_relayout', (change) => {
       if (!Object.keys(change).some((key) => /axis\.(range|autorange)/.test(key))) return;
       const {xaxis, yaxis} = this.host.layout;
       this.zoom = {x: [...xaxis.range], y: [...yaxis.range]};
       this.queue();
     });
-    this.host.on("plotly_doubleclick", () => {
+    this.host.on('plotly_doubleclick', () => {
       this.zoom = null;
       this.queue();
     });
@@ -93,78 +112,44 @@ class Plot {
   }
 }
 
-/** A value's place along an axis, its edge if it has none: no error at all is as far as "better" goes. */
-function placeOn(axis, info, value) {
-  if (axis.log ? isNumber(value) && value >= (axis.least ?? Number.MIN_VALUE) : isNumber(value)) return along(axis, value);
-  return info.edge;
-}
-
-/** The range that shows all points, in axis units, with room for labels, and where values without a place go. */
-function rangeOf(spec, shown, key) {
-  const axis = spec[key];
-  const values = shown.flatMap((series) => series.points).filter((point) => !point.broken)
-    .flatMap((point) => [point[key], ...(spec.bars === key ? [point.low, point.high] : [])]);
-  if (key === "y" && spec.untold) values.push(spec.untold.y);
-  const placed = values.map((value) => placeOn(axis, {edge: null}, value)).filter(isNumber);
-  const [low, high] = placed.length > 0 ? [Math.min(...placed), Math.max(...placed)] : [0, 1];
-  const span = Math.max(high - low, axis.log ? 0.5 : 1);
-  const missing = shown.some((series) => series.points.some((point) => !point.broken && placeOn(axis, {edge: null}, point[key]) === null));
-  // The edge is beyond everything that has a place.
-  const better = axis.better === "high" ? high + 0.12 * span : low - 0.12 * span;
-  const ends = missing ? [Math.min(low, better), Math.max(high, better)] : [low, high];
-  const pad = 0.09 * Math.max(ends[1] - ends[0], axis.log ? 0.5 : 1);
-  return {edge: better, missing, low, high, range: [ends[0] - pad, ends[1] + pad]};
-}
-
-function axisLayout(axis, info, view) {
-  const made = {
-    title: {text: axis.title, standoff: 8}, range: [...view], zeroline: false, gridcolor: colour("line"),
-    linecolor: colour("edge"), showline: true, ticks: "outside", tickcolor: colour("edge"), ticklen: 5, automargin: false,
-  };
-  if (!axis.log && !info.missing) return made;
-  const ticks = axis.log ? logTicks(...view) : linearTicks(...view);
-  // Beyond the last value with a place ticks would be read as a scale that goes on to the edge.
-  const gap = 0.4 * Math.abs(info.edge - (axis.better === "high" ? info.high : info.low));
-  const scaled = (value) => !info.missing || (axis.better === "high" ? value < info.edge - gap : value > info.edge + gap);
-  const kept = ticks.values.map((value, i) => ({value, text: ticks.texts[i]})).filter(({value}) => scaled(value));
-  if (info.missing) kept.push({value: info.edge, text: axis.none ?? "0"});
-  Object.assign(made, {tickmode: "array", tickvals: kept.map(({value}) => value), ticktext: kept.map(({text}) => text)});
-  if (axis.log) {
-    made.minor = {tickmode: "array", tickvals: ticks.minor.filter(scaled), ticks: "outside", ticklen: 3,
-                  tickcolor: colour("edge"), showgrid: false};
-  }
-  return made;
-}
-
-function linearTicks(low, high) {
-  const rough = (high - low) / 7, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((candidate) => candidate >= rough);
-  const ticks = {values: [], texts: []};
-  for (let i = Math.ceil(low / step); i * step <= high; ++i) {
-    ticks.values.push(i * step);
-    ticks.texts.push(String(Number((i * step).toPrecision(12))));
-  }
-  return ticks;
-}
+const textOf = (point, narrow) => (narrow ? point.brief : point.label);
 
 /** The points of a series as the library wants them; a broken one is a gap in the line. */
 function trace(series, spec, axes) {
   const points = series.points;
-  const at = (key) => points.map((point) => (point.broken ? null : placeOn(spec[key], axes[key], point[key])));
+  const at = (key) =>
+      points.map((point) => (point.broken ? null : placeOn(spec[key], axes[key], point[key])));
   const ink = colour(series.family.colourName);
   const made = {
-    type: "scatter", mode: points.length > 1 ? "lines+markers" : "markers", name: series.id, meta: {series: series.id},
-    x: at("x"), y: at("y"), connectgaps: false, hoverinfo: "text", hovertext: points.map((point) => point.hover ?? ""),
+    type: 'scatter',
+    mode: points.length > 1 ? 'lines+markers' : 'markers',
+    name: series.id,
+    meta: {series: series.id},
+    x: at('x'),
+    y: at('y'),
+    connectgaps: false,
+    hoverinfo: 'text',
+    hovertext: points.map((point) => point.hover ?? ''),
     line: {color: ink, width: 1.6, dash: series.family.dash},
-    marker: {color: ink, symbol: series.family.symbol, size: 10, line: {color: colour("page"), width: 1}},
+    marker: {
+      color: ink,
+      symbol: series.family.symbol,
+      size: series.family.symbol.startsWith('triangle') ? 12 : 10,
+      line: {color: colour('page'), width: 1}
+    },
   };
   if (spec.bars) {
     const axis = spec[spec.bars], middle = made[spec.bars];
-    const ends = (key) => points.map((point, i) => (middle[i] !== null && isNumber(point[key]) ? along(axis, point[key]) : middle[i]));
+    const ends = (key) => points.map(
+        (point, i) => (middle[i] !== null && isNumber(point[key]) ? along(axis, point[key]) : middle[i]));
     made[`error_${spec.bars}`] = {
-      type: "data", symmetric: false, color: ink, thickness: 1.2, width: 3,
-      array: ends("high").map((end, i) => Math.max(0, end - middle[i])),
-      arrayminus: ends("low").map((end, i) => Math.max(0, middle[i] - end)),
+      type: 'data',
+      symmetric: false,
+      color: ink,
+      thickness: 1.2,
+      width: 3,
+      array: ends('high').map((end, i) => Math.max(0, end - middle[i])),
+      arrayminus: ends('low').map((end, i) => Math.max(0, middle[i] - end)),
     };
   }
   return made;
@@ -178,18 +163,44 @@ function frontTrace(spec, axes) {
   const xs = sorted.map((point) => placeOn(spec.x, axes.x, point.x));
   const ys = sorted.map((point) => placeOn(spec.y, axes.y, point.y));
   return [{
-    type: "scatter", mode: "lines", name: "Pareto front", meta: {front: true}, x: [...xs, axes.x.range[1]], y: [...ys, ys.at(-1)],
-    hoverinfo: "skip", line: {color: colour("edge"), width: 5, shape: "hv"}, opacity: 0.38,
+    type: 'scatter',
+    mode: 'lines',
+    name: 'Pareto front',
+    meta: {front: true},
+    x: [...xs, axes.x.range[1]],
+    y: [...ys, ys.at(-1)],
+    hoverinfo: 'skip',
+    line: {color: colour('edge'), width: 5, shape: 'hv'},
+    opacity: 0.38,
   }];
 }
 
 function untoldShapes(spec, info) {
   if (!spec.untold) return [];
   const y = along(spec.y, spec.untold.y);
-  const beyond = spec.y.better === "high" ? info.range[1] + 9 : info.range[0] - 9;
+  const beyond = spec.y.better === 'high' ? info.range[1] + 9 : info.range[0] - 9;
   return [
-    {type: "rect", xref: "paper", x0: 0, x1: 1, y0: y, y1: beyond, fillcolor: colour("untold"), line: {width: 0}, layer: "below"},
-    {type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: {color: colour("soft"), width: 1.5, dash: "dash"}, layer: "below"},
+    {
+      type: 'rect',
+      xref: 'paper',
+      x0: 0,
+      x1: 1,
+      y0: y,
+      y1: beyond,
+      fillcolor: colour('untold'),
+      line: {width: 0},
+      layer: 'below'
+    },
+    {
+      type: 'line',
+      xref: 'paper',
+      x0: 0,
+      x1: 1,
+      y0: y,
+      y1: y,
+      line: {color: colour('soft'), width: 1.5, dash: 'dash'},
+      layer: 'below'
+    },
   ];
 }
 
@@ -208,12 +219,14 @@ function labelsOf(spec, shown, axes, view, size, narrow) {
       const at = point.broken ? null : pixel(point);
       if (at !== null && inside(at)) {
         obstacles.markers.push(boxAt(at.x, at.y, 13, 13));
-        const text = narrow ? point.brief ?? point.label : point.label;
-        if (point.label) labels.push({...at, text, width: textWidth(text), height: 15, family: series.family});
+        const text = textOf(point, narrow);
+        if (point.label)
+          labels.push({...at, text, width: textWidth(text), height: 15, family: series.family});
       }
       if (at !== null && last !== null) obstacles.lines.push([last, at]);
       if (at !== null && spec.bars && isNumber(point.low) && isNumber(point.high))
-        obstacles.lines.push([pixel({...point, [spec.bars]: point.low}), pixel({...point, [spec.bars]: point.high})]);
+        obstacles.lines.push(
+            [pixel({...point, [spec.bars]: point.low}), pixel({...point, [spec.bars]: point.high})]);
       last = at;
     }
   }
@@ -223,25 +236,53 @@ function labelsOf(spec, shown, axes, view, size, narrow) {
     obstacles.lines.push([at, {x: next.x, y: at.y}], [{x: next.x, y: at.y}, next]);
   });
   if (spec.untold) {
-    const y = along(spec.y, spec.untold.y), top = spec.y.better === "high";
+    const y = along(spec.y, spec.untold.y), top = spec.y.better === 'high';
     const line = pixel({x: null, y: spec.untold.y}).y;
     const text = narrow ? spec.untold.brief : spec.untold.text;
-    made.push({xref: "paper", x: 1, xanchor: "right", y, yanchor: top ? "bottom" : "top", text: escaped(text),
-               showarrow: false, font: {size: 11.5, color: colour("soft")}, borderpad: 2, name: "untold"});
+    made.push({
+      xref: 'paper',
+      x: 1,
+      xanchor: 'right',
+      y,
+      yanchor: top ? 'bottom' : 'top',
+      text: escaped(text),
+      showarrow: false,
+      font: {size: 11.5, color: colour('soft')},
+      borderpad: 2,
+      name: 'untold'
+    });
     const width = textWidth(text) + 8;
     obstacles.markers.push(boxAt(size.width - width / 2, line + (top ? -10 : 10), width, 20));
     obstacles.lines.push([{x: 0, y: line}, {x: size.width, y: line}]);
   }
-  placeLabels(labels, frame, obstacles).forEach((place, i) => {
+  const last = Math.max(...labels.map(({x}) => x));
+  const inColumn = (label) => spec.column && label.x > last - 1;
+  const column = placeInColumn(labels.filter(inColumn), last + columnGap, frame);
+  obstacles.markers.push(...column.map(({box}) => box));
+  const free = placeLabels(labels.filter((label) => !inColumn(label)), frame, obstacles);
+  labels.map((label) => (inColumn(label) ? column : free).shift()).forEach((place, i) => {
     const {x, y, text, family} = labels[i];
     const ink = colour(family.colourName);
     made.push({
-      x: view.x[0] + x / size.width * (view.x[1] - view.x[0]), y: view.y[1] - y / size.height * (view.y[1] - view.y[0]),
-      ax: place.x - x, ay: place.y - y, text: escaped(text), font: {size: labelFont, color: ink}, showarrow: true, arrowhead: 0,
-      arrowwidth: 0.8, arrowcolor: place.reach > 8 ? ink : "rgba(0,0,0,0)", standoff: 5, borderpad: 0, bgcolor: colour("veil"), name: "label",
+      x: view.x[0] + x / size.width * (view.x[1] - view.x[0]),
+      y: view.y[1] - y / size.height * (view.y[1] - view.y[0]),
+      ax: place.x - x,
+      ay: place.y - y,
+      text: escaped(text),
+      font: {size: labelFont, color: ink},
+      showarrow: true,
+      arrowhead: 0,
+      arrowwidth: 0.8,
+      arrowcolor: place.reach > 8 ? ink : 'rgba(0,0,0,0)',
+      standoff: 5,
+      borderpad: 0,
+      xanchor: place.anchor ?? 'auto',
+      bgcolor: colour('veil'),
+      name: 'label',
     });
   });
   return made;
 }
 
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach((plot) => plot.queue()));
+matchMedia('(prefers-color-scheme: dark)')
+    .addEventListener('change', () => plots.forEach((plot) => plot.queue()));
