@@ -66,6 +66,9 @@ TEST_F(StudyReport, OpensWithoutComplaintOrRequest) {
   EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
   EXPECT_EQ(browser_->requests(), std::vector<std::string>());
 
+  // Without its plotting library a report says so in the place of each plot.
+  EXPECT_EQ(evaluate("document.querySelectorAll('main .note').length > 0"), !report_has_plots());
+
   // No width lets the page itself scroll sideways, and dark colours are used where they are asked for.
   for (const int width : {320, 768, 1920}) {
     browser_->resize(width, 800);
@@ -181,14 +184,16 @@ TEST_F(StudyReport, TableSorts) {
 TEST_F(StudyReport, SliderMovesTheSplit) {
   ASSERT_NO_FATAL_FAILURE(open());
   if (IsSkipped()) return;
-  // Which picture is seen there, as the browser itself decides it.
+  // Which picture is seen there, as the browser itself decides it; both, if one shows through the other.
   const auto seen = [&](double part) {
     return evaluate(
         "(() => { const stack = document.querySelector('#scene-knot .stack'); "
         "stack.scrollIntoView({block: 'center', behavior: 'instant'}); const box = "
         "stack.getBoundingClientRect(); "
-        "return document.elementFromPoint(box.left + " +
-        std::to_string(part) + " * box.width, box.top + box.height / 3).className; })()");
+        "return document.elementsFromPoint(box.left + " +
+        std::to_string(part) +
+        " * box.width, box.top + box.height / 3).filter((found) => found.tagName === 'IMG').map((found) => "
+        "found.className).join(' and '); })()");
   };
   EXPECT_EQ(seen(0.45), "left");
   EXPECT_EQ(seen(0.55), "right");

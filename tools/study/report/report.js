@@ -115,7 +115,7 @@ function runSection() {
       'section', {id: 'run', 'aria-labelledby': 'run-title'},
       element('h2', {id: 'run-title'}, 'The machine and the command'),
       study.command ?
-          element('pre', {tabindex: '0', 'aria-label': 'Command'}, element('code', {}, study.command)) :
+          element('pre', {tabindex: '0', role: 'region', 'aria-label': 'Command'}, element('code', {}, study.command)) :
           null,
       element(
           'dl', {},

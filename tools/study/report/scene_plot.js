@@ -130,7 +130,7 @@ function plotFigure(id, title, families, cells, choices, specOf, caption, low) {
           'details', {open: plots.length === 0}, element('summary', {}, 'How to read this plot'), caption));
   const host = element(
       'div',
-      {id, class: low ? 'plot low' : 'plot', role: 'img', 'aria-label': title, 'aria-describedby': note.id});
+      {id, class: low ? 'plot low' : 'plot', role: 'group', 'aria-label': title, 'aria-describedby': note.id});
   const plot = new Plot(host, () => specOf(measure, hidden));
   const select = choices ? chooser(
                                'Judge by', choices.map(({id: value, name}) => [value, name]), measure?.id,
