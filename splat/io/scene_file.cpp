@@ -172,7 +172,12 @@ std::string SceneFile::hash(const std::string& options) const {
 Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides) {
   const Result<std::string> text = read_text(path);
   if (!text) return text.error();
-  const Result<nlohmann::json> document = io::parse_json(path, *text);
+  return scene_from_text(*text, path, overrides);
+}
+
+Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
+                                  const SceneOverrides& overrides) {
+  const Result<nlohmann::json> document = io::parse_json(path, text);
   if (!document) return document.error();
   SceneFile file;
   file.path_ = path;

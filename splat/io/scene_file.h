@@ -98,7 +98,8 @@ class SceneFile {
 
  private:
   struct Clouds;
-  friend Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides);
+  friend Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
+                                           const SceneOverrides& overrides);
   SceneFile();
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
 
@@ -113,6 +114,10 @@ class SceneFile {
 /// Errors name the file, a JSON pointer (line and column for bad syntax) and the reason; those about an
 /// override name the option's member in the scene.
 [[nodiscard]] Result<SceneFile> read_scene_file(const std::string& path,
+                                                const SceneOverrides& overrides = {});
+
+/// The same for a scene file's text, as if it stood in the file `path`, which is not looked at.
+[[nodiscard]] Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                                 const SceneOverrides& overrides = {});
 
 }  // namespace swept
