@@ -14,7 +14,9 @@ using Values = std::vector<std::vector<double>>;
 
 constexpr double kHarmonic0 = 0.28209479177387814;  // 1 / (2√π), the constant spherical harmonic
 
-/// The sRGB transfer curve of IEC 61966-2-1 undone, carried on above 1.
+/// The sRGB transfer curve of IEC 61966-2-1 undone, carried on above 1. Up to largest_srgb the result is in
+/// the range of float: 10^(16 · 2.4) / 1.055^2.4 = 2.2e38.
+constexpr double largest_srgb = 1e16;
 double srgb_to_linear(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
 float linear_color(double stored, const Column& column) {
@@ -57,12 +59,20 @@ class Assembler {
         return {{c, "is " + shown(values_[c][i]) + ", not a finite number in the range of float"}};
       }
     }
+    if (const auto& channels = plan_.color ? plan_.color : plan_.harmonic) {
+      for (const std::size_t c : *channels) {
+        const double full_scale = columns_[c].full_scale;
+        if (plan_.color && full_scale == 0.0) continue;  // linear already
+        const double srgb = plan_.color ? values_[c][i] / full_scale : 0.5 + kHarmonic0 * values_[c][i];
+        if (!(srgb <= largest_srgb)) return {{c, "is " + shown(values_[c][i]) + ", too large for a colour"}};
+      }
+    }
     for (const std::size_t c : plan_.log_scale) {
       if (!(std::exp(values_[c][i]) * cutoff_ <= std::numeric_limits<float>::max())) {
         return {{c, "is " + shown(values_[c][i]) + ", too large for the logarithm of a scale"}};
       }
     }
-    if (!plan_.log_scale.empty() && !(quaternion(i).norm() > 0.0)) {
+    if (!plan_.log_scale.empty() && !(quaternion(i).coeffs().stableNorm() > 0.0)) {
       return {{plan_.quaternion[0], "starts a quaternion of length zero"}};
     }
     return std::nullopt;
@@ -105,7 +115,9 @@ class Assembler {
   }
 
   void add_gaussian(std::size_t i, PointSet& set) const {
-    const Eigen::Matrix3d rotation = quaternion(i).normalized().toRotationMatrix();
+    // stableNormalized: the squares of tiny components do not vanish.
+    const Eigen::Quaterniond turn(quaternion(i).coeffs().stableNormalized());
+    const Eigen::Matrix3d rotation = turn.toRotationMatrix();
     std::size_t u = 0, v = 1;
     if (plan_.log_scale.size() == 3) {
       std::size_t shortest = 2;
