@@ -13,6 +13,7 @@
 #include <ImfInputFile.h>
 #include <openexr.h>
 
+#include "splat/io/exr_attributes.h"
 #include "splat/io/image_file.h"
 
 namespace swept {
@@ -26,8 +27,8 @@ constexpr int kRowsPerStrip = 64;
 
 void stay_silent(exr_const_context_t, exr_result_t, const char*) {}
 
-/// The header by OpenEXR's C reader, which holds every length in it against the file's size. The C++
-/// reader below believes them.
+/// The header by OpenEXR's C reader, which holds what it says of pixels and chunks against the file's size.
+/// The C++ reader below believes it.
 Status check_header(const std::string& path, std::uint64_t file_bytes) {
   exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
   options.error_handler_fn = stay_silent;
@@ -120,6 +121,7 @@ Result<Image> read_exr(const std::string& path) {
   std::error_code problem;
   const std::uintmax_t file_bytes = std::filesystem::file_size(path, problem);
   if (problem) return Error{path, "", "cannot be read: " + problem.message()};
+  if (const Status status = check_exr_attributes(path, file_bytes); !status) return status.error();
   if (const Status status = check_header(path, file_bytes); !status) return status.error();
   try {
     return read(path);

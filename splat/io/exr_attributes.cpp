@@ -1,0 +1,102 @@
+#include "splat/io/exr_attributes.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+namespace swept {
+namespace {
+
+constexpr std::size_t longest_name = 255;
+
+/// Sizes of types whose values all have the same.
+constexpr std::pair<std::string_view, std::uint32_t> fixed_sizes[] = {
+    {"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
+    {"compression", 1}, {"double", 8},   {"envmap", 1},
+    {"float", 4},       {"int", 4},      {"keycode", 28},
+    {"lineOrder", 1},   {"m33d", 72},    {"m33f", 36},
+    {"m44d", 128},      {"m44f", 64},    {"rational", 8},
+    {"tiledesc", 9},    {"timecode", 8}, {"v2d", 16},
+    {"v2f", 8},         {"v2i", 8},      {"v3d", 24},
+    {"v3f", 12},        {"v3i", 12},     {"deepImageState", 1}};
+
+class HeaderReader {
+ public:
+  HeaderReader(const std::string& path, std::uint64_t file_bytes)
+      : file_(path, std::ios::binary), bytes_(file_bytes) {}
+
+  /// Whether all headers are as the format has them.
+  bool valid() {
+    std::uint32_t magic = 0, version = 0;
+    if (!integer(magic) || !integer(version)) return false;
+    const bool has_parts = (version & 0x1000) != 0;
+    // An empty name ends a header; of several parts, an empty header the last one.
+    do {
+      if (!header()) return false;
+    } while (has_parts && file_.peek() != 0);
+    return true;
+  }
+
+ private:
+  bool header() {
+    std::string name;
+    while (text(name)) {
+      if (name.empty()) return true;
+      if (!attribute()) return false;
+    }
+    return false;
+  }
+
+  bool attribute() {
+    std::string type;
+    std::uint32_t size = 0;
+    if (!text(type) || !integer(size) || size > bytes_ - position()) return false;
+    const auto* const fixed = std::find_if(std::begin(fixed_sizes), std::end(fixed_sizes),
+                                           [&](const auto& entry) { return entry.first == type; });
+    if (fixed != std::end(fixed_sizes) && size != fixed->second) return false;
+    const std::uint64_t end = position() + size;
+    if (type == "chlist" && !channels(end)) return false;
+    file_.seekg(static_cast<std::streamoff>(end));
+    return true;
+  }
+
+  /// A list of channels, up to the empty name at its end.
+  bool channels(std::uint64_t end) {
+    constexpr std::streamoff channel_bytes = 16;  // type, linearity, sampling rates
+    std::string name;
+    while (text(name)) {
+      if (name.empty()) return position() == end;
+      file_.seekg(channel_bytes, std::ios::cur);
+    }
+    return false;
+  }
+
+  bool text(std::string& value) {
+    return std::getline(file_, value, '\0') && !file_.eof() && value.size() <= longest_name;
+  }
+
+  /// Little-endian, as all of the format.
+  bool integer(std::uint32_t& value) {
+    std::array<char, 4> raw{};
+    if (!file_.read(raw.data(), raw.size())) return false;
+    value = 0;
+    for (std::size_t i = raw.size(); i-- > 0;) value = value << 8 | static_cast<unsigned char>(raw[i]);
+    return true;
+  }
+
+  std::uint64_t position() { return std::min(static_cast<std::uint64_t>(file_.tellg()), bytes_); }
+
+  std::ifstream file_;
+  std::uint64_t bytes_;
+};
+
+}  // namespace
+
+Status check_exr_attributes(const std::string& path, std::uint64_t file_bytes) {
+  if (HeaderReader(path, file_bytes).valid()) return Done{};
+  return Error{path, "", "not a readable OpenEXR file: its header is damaged"};
+}
+
+}  // namespace swept

@@ -1,0 +1,16 @@
+// The attributes in an OpenEXR file's headers, held against what the file and the format allow.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "splat/result.h"
+
+namespace swept {
+
+/// Errors unless every attribute of the first headers up to the pixels ends within the file's `file_bytes`,
+/// and is as long as its type is. OpenEXR's C++ reader goes by the one or the other, differently from type to
+/// type, and takes as much memory as an attribute says it is long before it finds that the file is shorter.
+[[nodiscard]] Status check_exr_attributes(const std::string& path, std::uint64_t file_bytes);
+
+}  // namespace swept
