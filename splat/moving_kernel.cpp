@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -44,7 +45,9 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
   const auto lift = [&](const Eigen::Vector2d& direction, double s, double disc_z) {
     const double filtered = std::hypot(s, radius);
     const double z = s / filtered * disc_z;
-    const double own_plane_z = filtered / std::max(std::abs(s), 0.25 * radius) * disc_z;
+    // Of a radius too small for a quarter of it the least normal number has to do.
+    const double shown = std::max({std::abs(s), 0.25 * radius, std::numeric_limits<double>::min()});
+    const double own_plane_z = filtered / shown * disc_z;
     size_squared += 0.5 * (filtered * filtered + own_plane_z * own_plane_z);
     const Eigen::Vector2d xy = direction * filtered + tangent * z;
     return Eigen::Vector3d(xy.x(), xy.y(), z);
