@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "abuffer/abuffer.h"
 #include "splat/scene.h"
@@ -39,7 +40,8 @@ class SurfaceModel {
 
   /// What the sums are multiplied by to give coverage times colour: min(1, Σρ/ρ_edge)/Σρ, or 1/Σρ.
   [[nodiscard]] float scale(const SurfaceSum& surface) const {
-    if (!(surface.weight > 0.0f)) return 0.0f;
+    // Weights below the normal numbers weigh nothing: their inverse is out of range.
+    if (!(surface.weight >= std::numeric_limits<float>::min())) return 0.0f;
     return 1.0f / (hard_ || surface.weight >= edge_weight_ ? surface.weight : edge_weight_);
   }
 
