@@ -4,6 +4,7 @@
 #include "tools/study/disc_volumes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -66,10 +67,15 @@ struct Primitive {
   std::uint32_t kernel;
 };
 
+/// Boxes of a disc as its segment begins and ends: Embree asks for them many times over.
+using Boxes = std::array<RTCBounds, 2>;
+
 /// The kernels of one stretch of time.
 struct Group {
-  const std::vector<MovingKernel>* kernels;
+  float t_begin, t_end;
+  bool still;
   std::vector<Primitive> primitives;
+  std::vector<Boxes> boxes;
 };
 
 /// What Embree hands to the callback: the address of its first member.
@@ -97,17 +103,18 @@ double largest_coordinate(const MovingKernel& kernel) {
                   (center_at(kernel, kernel.t_end).cwiseAbs() + half).maxCoeff());
 }
 
-void bounds(const RTCBoundsFunctionArguments* arguments) {
-  const auto& group = *static_cast<const Group*>(arguments->geometryUserPtr);
-  const MovingKernel& kernel = (*group.kernels)[group.primitives[arguments->primID].kernel];
-  const Vector3d center = center_at(kernel, arguments->timeStep == 0 ? kernel.t_begin : kernel.t_end);
+RTCBounds box_at(const MovingKernel& kernel, float time) {
+  const Vector3d center = center_at(kernel, time);
   // Corners, the ray's direction and the blend of the two boxes are single precision: off by a few 2⁻²⁴ of
   // the largest coordinate each.
   const Vector3d half = half_extent(kernel).array() + 0x1p-20 * largest_coordinate(kernel);
   const Eigen::Vector3f low = (center - half).cast<float>(), high = (center + half).cast<float>();
-  RTCBounds& out = *arguments->bounds_o;
-  std::tie(out.lower_x, out.lower_y, out.lower_z) = std::tie(low.x(), low.y(), low.z());
-  std::tie(out.upper_x, out.upper_y, out.upper_z) = std::tie(high.x(), high.y(), high.z());
+  return {low.x(), low.y(), low.z(), 0.0f, high.x(), high.y(), high.z(), 0.0f};
+}
+
+void bounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& group = *static_cast<const Group*>(arguments->geometryUserPtr);
+  *arguments->bounds_o = group.boxes[arguments->primID][arguments->timeStep];
 }
 
 void intersect(const RTCIntersectFunctionNArguments* arguments) {
@@ -149,8 +156,10 @@ std::vector<Group> grouped(const KernelSet& set) {
     const MovingKernel& kernel = set.kernels[k];
     const auto [place, added] =
         places.try_emplace({kernel.t_begin, kernel.t_end, kernel.still()}, groups.size());
-    if (added) groups.push_back({&set.kernels, {}});
-    groups[place->second].primitives.emplace_back(kernel, static_cast<std::uint32_t>(k));
+    if (added) groups.push_back({kernel.t_begin, kernel.t_end, kernel.still(), {}, {}});
+    Group& group = groups[place->second];
+    group.primitives.emplace_back(kernel, static_cast<std::uint32_t>(k));
+    group.boxes.push_back({box_at(kernel, kernel.t_begin), box_at(kernel, kernel.t_end)});
   }
   return groups;
 }
@@ -164,13 +173,12 @@ struct DiscVolumes::Parts {
   EmbreeScene scene;
 
   void add(Group& group) {
-    const MovingKernel& any = (*group.kernels)[group.primitives.front().kernel];
     const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER));
     rtcSetGeometryUserPrimitiveCount(geometry.get(), static_cast<unsigned>(group.primitives.size()));
     rtcSetGeometryUserData(geometry.get(), &group);
-    if (!any.still()) {
+    if (!group.still) {
       rtcSetGeometryTimeStepCount(geometry.get(), 2);
-      rtcSetGeometryTimeRange(geometry.get(), any.t_begin, any.t_end);
+      rtcSetGeometryTimeRange(geometry.get(), group.t_begin, group.t_end);
     }
     rtcSetGeometryBoundsFunction(geometry.get(), bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry.get(), intersect);

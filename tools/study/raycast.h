@@ -13,7 +13,7 @@ namespace swept {
 struct RaycastOptions {
   int samples = 16;        ///< n, rays per pixel; [1, 2²⁰]
   int threads = 0;         ///< [0, 1024]; 0: as many as the machine has. Changes no bit
-  std::uint64_t seed = 1;  ///< of the instants
+  std::uint64_t seed = 1;  ///< of the instants' offsets
 
   [[nodiscard]] Status validate() const {
     if (samples < 1 || samples > 1 << 20) return Error{"", "samples", "must be in [1, 1048576]"};
@@ -25,10 +25,14 @@ struct RaycastOptions {
 /// Whether this build can cast rays.
 [[nodiscard]] bool raycast_available();
 
-/// Casts n rays through every pixel's centre (the pixel filter is in the kernels), at instants jittered
-/// within n strata of the shutter, independently from pixel to pixel. What a ray meets of build_kernels() is
-/// shaded as a still image is: the image converges to that of render_abuffer(). One ray where the shutter is
-/// closed or nothing moves. A crop equals those pixels of the whole frame.
+/// Casts n rays through every pixel's centre (the pixel filter is in the kernels), at the instants (i + ξ)/n
+/// of the shutter, ξ drawn for each pixel by itself from [0, 1): one instant in each of n strata, and no
+/// bias. With an offset shared by a pixel's strata (Ramamoorthi et al. 2012, "uniform jitter") `knot` and
+/// `overlap` come 0.3 to 6 dB nearer to the exact image than with one for each stratum.
+///
+/// What a ray meets of build_kernels() is shaded as a still image is: the image converges to that of
+/// render_abuffer(). One ray where the shutter is closed or nothing moves. A crop equals those pixels of the
+/// whole frame.
 ///
 /// Statistics: "samples" n or 1, "rays", "hits" collected, "motion_ranges" distinct stretches of time that
 /// segments cover; stages "kernels", "build" and "trace".
