@@ -118,8 +118,12 @@ class ContextFactory {
     if (eglInitialize(display, &major, &minor) != EGL_TRUE) return failed("eglInitialize");
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return Error{"", "gpu", "it has no desktop OpenGL"};
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
-    for (const char* needed : {"EGL_KHR_create_context", "EGL_KHR_surfaceless_context"})
-      if (!has_word(extensions, needed)) return Error{"", "gpu", std::string("it lacks ") + needed};
+    // EGL 1.5 has the former, with the same numbers, and need not list it.
+    const bool has_versions = major > 1 || minor >= 5 || has_word(extensions, "EGL_KHR_create_context");
+    for (const auto& [needed, there] :
+         {std::pair{"EGL_KHR_create_context", has_versions},
+          std::pair{"EGL_KHR_surfaceless_context", has_word(extensions, "EGL_KHR_surfaceless_context")}})
+      if (!there) return Error{"", "gpu", std::string("it lacks ") + needed};
 
     EGLConfig config = nullptr;
     if (!has_word(extensions, "EGL_KHR_no_config_context")) {

@@ -1,79 +1,16 @@
 // Each of the six passes looked at on its own: planted kernels whose answer is known, and random ones against
 // the plain twin.
-#include "gpu_passes/pass_runner.h"
+#include "gpu_pass_fixture.h"
 
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <random>
-
-#include <gtest/gtest.h>
+#include <vector>
 
 #include "gpu_compare.h"
-#include "gpu_passes/context.h"
 #include "gpu_passes/six_pass_twin.h"
-#include "gpu_stage.h"
 
 namespace swept {
 namespace {
-
-const Eigen::Vector3f red(1.0f, 0.0f, 0.0f), green(0.0f, 1.0f, 0.0f), blue(0.0f, 0.0f, 1.0f);
-
-class GpuPasses : public testing::Test {
- protected:
-  void SetUp() override {
-    Result<GlContext> context = GlContext::create("");
-    if (!context) GTEST_SKIP() << context.error().message();
-    context_.emplace(std::move(*context));
-    current_.emplace(*context_);
-    Result<PassRunner> runner = PassRunner::create(batch_kernels);
-    ASSERT_TRUE(runner) << runner.error().message();
-    runner_.emplace(std::move(*runner));
-  }
-  void TearDown() override {
-    runner_.reset();
-    current_.reset();
-  }
-
-  /// Six passes over one sub-frame, which is all of the exposure.
-  void draw(const KernelSet& set, const Scene& scene) {
-    const PixelWindow window{0, 0, scene.film.width, scene.film.height};
-    width_ = window.width;
-    ASSERT_TRUE(runner_->begin_frame(stage_setup(set, scene, six_passes())));
-    runner_->draw_subframe(make_instances(set, window));
-    const Result<DrawnFrame> frame = runner_->end_frame();
-    ASSERT_TRUE(frame) << frame.error().message();
-    const Status status = runner_->wait(*frame);
-    ASSERT_TRUE(status) << status.error().message();
-    batches_ = frame->batches;
-    seconds_ = *frame->seconds;
-  }
-
-  /// Channel `c` of a target at a pixel.
-  [[nodiscard]] double at(Target target, int x, int y, int c = 0) const {
-    const int count = channels(target);
-    return static_cast<double>(runner_->read(target)[static_cast<std::size_t>(count * (y * width_ + x) + c)]);
-  }
-  [[nodiscard]] const PassRunner& runner() const { return *runner_; }
-  /// Of the last frame drawn.
-  [[nodiscard]] std::size_t batches() const { return batches_; }
-  [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
-
-  /// Small, so that some tests take several buffers.
-  static constexpr std::size_t batch_kernels = 64;
-
- private:
-  std::optional<GlContext> context_;
-  std::optional<CurrentContext> current_;
-  std::optional<PassRunner> runner_;
-  int width_ = 0;
-  std::size_t batches_ = 0;
-  std::vector<double> seconds_;
-};
-
-/// Few roundings of numbers around 1.
-constexpr double rounding = 8 * 0x1p-24;
-constexpr double nowhere = static_cast<double>(std::numeric_limits<float>::max());
 
 TEST_F(GpuPasses, DepthAtOpenAndAtCloseKeepTheNearestDiscAndItsTolerance) {
   KernelSet set = stage_kernels();
@@ -247,62 +184,6 @@ TEST_F(GpuPasses, WhatComesNearerThanTheNearPlaneIsCutInTime) {
   EXPECT_NEAR(at(Target::latest, 16, 16), 0.75, rounding);
   EXPECT_NEAR(at(Target::limit_open, 16, 16), 10.5, 10.5 * rounding);
   EXPECT_EQ(at(Target::limit_close, 16, 16), nowhere);
-}
-
-/// A disc at depth 90 that crosses the film from pixel 8 at open to pixel 23 at close, seen from behind, in
-/// front of one that stands still; both soft, so that hidden kernels count too.
-TEST_F(GpuPasses, ADiscSeenFromBehindIsInNoneOfThem) {
-  KernelSet set = stage_kernels();
-  set.kernels = {disc(16.0, 16.5, 90.0, 3.0, 15.0, red), disc(16.0, 16.5, 100.0, 14.0, 0.0, green)};
-  set.kernels[0].facing = {0.0f, 0.0f, 1.0f};
-  Scene scene = stage_scene();
-  scene.model.coverage = Coverage::soft;
-  draw(set, scene);
-  const std::vector<Target> targets{Target::limit_open, Target::limit_close, Target::earliest,
-                                    Target::latest,     Target::color_sum,   Target::behind_sum,
-                                    Target::depth_sum,  Target::frame_color, Target::frame_depth};
-  std::vector<std::vector<float>> from_behind;
-  for (const Target target : targets) from_behind.push_back(runner().read(target));
-  set.kernels.erase(set.kernels.begin());
-  draw(set, scene);
-  for (std::size_t i = 0; i < targets.size(); ++i) EXPECT_EQ(runner().read(targets[i]), from_behind[i]) << i;
-
-  // Seen from its front it is in each of the passes: at both ends, first, last, and in the sums.
-  set.kernels.insert(set.kernels.begin(), disc(16.0, 16.5, 90.0, 3.0, 15.0, red));
-  set.kernels[0].facing = {0.0f, 0.0f, -1.0f};
-  draw(set, scene);
-  EXPECT_NEAR(at(Target::limit_open, 8, 16), 90.5, 90.5 * rounding);
-  EXPECT_NEAR(at(Target::limit_close, 23, 16), 90.5, 90.5 * rounding);
-  EXPECT_GT(at(Target::color_sum, 8, 16, 0), 0.0);
-}
-
-TEST_F(GpuPasses, ADiscSeenFromBehindHasNoTimes) {
-  KernelSet set = stage_kernels();
-  set.kernels = {disc(16.0, 16.5, 100.0, 3.0, 15.0, red)};
-  set.kernels[0].facing = {0.0f, 0.0f, 1.0f};
-  draw(set, stage_scene());
-  for (int x = 0; x < 32; ++x) {
-    EXPECT_EQ(at(Target::limit_open, x, 16), nowhere) << x;
-    EXPECT_EQ(at(Target::limit_close, x, 16), nowhere) << x;
-    EXPECT_GT(at(Target::earliest, x, 16), 1.0) << x;
-    EXPECT_LT(at(Target::latest, x, 16), 0.0) << x;
-    EXPECT_EQ(at(Target::color_sum, x, 16, 3), 0.0) << x;
-  }
-}
-
-TEST_F(GpuPasses, WhichSideOfADiscIsSeenIsAskedAlongEachRay) {
-  // Facing left: from the eye, its front is seen along rays to the right of the axis.
-  KernelSet set = stage_kernels();
-  set.kernels = {disc(16.0, 16.5, 100.0, 9.0, 4.0, red)};
-  set.kernels[0].facing = {-1.0f, 0.0f, 0.0f};
-  draw(set, stage_scene());
-  for (int x = 10; x < 22; ++x) {
-    const bool seen = x >= 16;
-    EXPECT_EQ(at(Target::limit_open, x, 16) < nowhere, seen) << x;
-    EXPECT_EQ(at(Target::limit_close, x, 16) < nowhere, seen) << x;
-    EXPECT_EQ(at(Target::earliest, x, 16) <= at(Target::latest, x, 16), seen) << x;
-    EXPECT_EQ(at(Target::color_sum, x, 16, 3) > 0.0, seen) << x;
-  }
 }
 
 /// Discs of all attitudes, moving in all directions, in their planes too, some through the near plane.
