@@ -163,18 +163,19 @@ class Raycast : public testing::Test {
   }
 };
 
-/// A signal that jumps once errs by a sawtooth over the offset, as wide as a stratum: four times the rays
-/// quarter the error, and no smoother signal gains less. Sixteen times as many leave 1/16; drawing without
+/// A signal that jumps once errs by at most a stratum's share, whose width goes with 1/n, and no smoother
+/// signal gains less from more rays. Sixteen times as many leave 1/16; drawing without
 /// strata would leave 1/4. Between the two, 1/9, and what the exact image itself is off by: 2⁻¹⁵ root mean
 /// square (90 dB) at most, as tools/accuracy finds it.
 ///
 /// Rays know no bias: the mean over P pixels, whose offsets are independent of each other, is off by the
 /// error of one over √P, in standard deviations. Its four channels hang together, which the factor 2 allows
 /// for.
-void expect_convergence(const Scene& scene) {
+void expect_convergence(const Scene& scene, Offsets offsets = Offsets::shared) {
   constexpr double kExact = 0x1p-15;
   const Image image = exact(scene);
-  const Difference at_16(cast(scene, {16, 2}).image, image), at_256(cast(scene, {256, 2}).image, image);
+  const Difference at_16(cast(scene, {16, 2, 1, offsets}).image, image),
+      at_256(cast(scene, {256, 2, 1, offsets}).image, image);
   EXPECT_GT(at_16.rms, 0.0);
   EXPECT_LE(at_256.rms, at_16.rms / 9.0 + kExact);
   const double pixels = static_cast<double>(image.pixel_count());
@@ -185,6 +186,12 @@ void expect_convergence(const Scene& scene) {
 TEST_F(Raycast, ConvergesToTheExactImage) { expect_convergence(spheres()); }
 TEST_F(Raycast, ConvergesOnTranslucentParticles) { expect_convergence(translucent_particles()); }
 TEST_F(Raycast, ConvergesThroughTheNearPlane) { expect_convergence(fly_past()); }
+
+TEST_F(Raycast, ConvergesWithIndependentOffsets) {
+  const Scene scene = spheres();
+  expect_convergence(scene, Offsets::independent);
+  EXPECT_NE(cast(scene, {8, 2, 1, Offsets::independent}).image.rgba, cast(scene, {8, 2}).image.rgba);
+}
 
 TEST_F(Raycast, ConvergesUnderHardCoverage) {
   Scene scene = spheres();

@@ -24,17 +24,26 @@ namespace {
 /// Side of the squares of pixels that threads share out.
 constexpr int kTile = 16;
 
-/// A number of [0, 1) of 24 bits for every pixel of the film. SplitMix64 (Steele, Lea and Flood 2014).
-double jitter(std::uint64_t seed, int x, int y) {
-  const auto mixed = [](std::uint64_t v) {
+/// Numbers of [0, 1) of 24 bits for every pixel of the film. SplitMix64 (Steele, Lea and Flood 2014).
+class Jitter {
+ public:
+  Jitter(std::uint64_t seed, int x, int y)
+      : state_(mixed(mixed(seed) + (static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint32_t>(x)))) {}
+
+  [[nodiscard]] double operator()(int i) const {
+    return static_cast<double>(mixed(state_ + static_cast<std::uint64_t>(i)) >> 40) * 0x1p-24;
+  }
+
+ private:
+  static std::uint64_t mixed(std::uint64_t v) {
     v = (v + 1) * 0x9e3779b97f4a7c15ULL;
     v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
     v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
     return v ^ (v >> 31);
-  };
-  const std::uint64_t pixel = static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint32_t>(x);
-  return static_cast<double>(mixed(mixed(seed) + pixel) >> 40) * 0x1p-24;
-}
+  }
+
+  std::uint64_t state_;
+};
 
 /// One thread's share of the film. Its memory is kept from ray to ray.
 class Tracer {
@@ -53,10 +62,11 @@ class Tracer {
     const double per_pixel = 1.0 / projection_.focal_px;
     DiscRay ray{(x + 0.5 - projection_.center_x) * per_pixel, (y + 0.5 - projection_.center_y) * per_pixel,
                 0.0f};
-    const double offset = jitter(options_.seed, x, y);
+    const Jitter jitter(options_.seed, x, y);
+    const bool shared = options_.offsets == Offsets::shared;
     PixelSum pixel;
     for (int i = 0; i < options_.samples; ++i) {
-      const double time = (i + offset) / options_.samples;
+      const double time = (i + jitter(shared ? 0 : i)) / options_.samples;
       ray.time = std::min(static_cast<float>(time), 1.0f - 0x1p-24f);
       hits += volumes_.meet(ray, met_);
       shade(pixel);
