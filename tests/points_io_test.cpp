@@ -180,6 +180,50 @@ TEST_F(PointsIoTest, GaussianSplatsBecomeDiscsOfTheSameGaussian) {
   EXPECT_EQ(set->notes.size(), 1u);
 }
 
+TEST_F(PointsIoTest, AQuaternionsLengthDoesNotMatter) {
+  for (const double length : {1e-300, 1e-160, 1.0, 1e38}) {
+    PlyBody body("binary_little_endian");
+    for (const double value : {0.0, 0.0, 0.0, 0.0, 0.0}) body.put("double", value);
+    for (const double value : {1.0, 0.0, 0.0, 1.0}) body.put("double", length * value);
+    std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
+    for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "rot_0", "rot_1", "rot_2", "rot_3"})
+      header += std::string("property double ") + name + "\n";
+    const Result<PointSet> set = read_points(write("q.ply", header + "end_header\n" + body.bytes()));
+    ASSERT_TRUE(set.ok()) << set.error().message();
+    const float cutoff = std::sqrt(6.0f);
+    EXPECT_LE((set->axis_u[0] - Vector3f(0, cutoff, 0)).norm(), 0x1p-22f * cutoff) << length;
+    EXPECT_LE((set->axis_v[0] - Vector3f(-cutoff, 0, 0)).norm(), 0x1p-22f * cutoff) << length;
+  }
+}
+
+TEST_F(PointsIoTest, ColoursThatAFloatCannotHoldAreInvalid) {
+  const std::vector<std::string> names{"x",     "y",     "z",     "scale_0", "scale_1", "rot_0",
+                                       "rot_1", "rot_2", "rot_3", "f_dc_0",  "f_dc_1",  "f_dc_2"};
+  const std::string path = write("c.ply", float_ply("ascii", names,
+                                                    {{0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1e20, 1},
+                                                     {0, 0, 0, 0, 0, 1, 0, 0, 0, 1, -1e20, 1e15}}));
+  const Result<PointSet> strict = read_points(path);
+  ASSERT_FALSE(strict.ok());
+  EXPECT_EQ(strict.error().field, "f_dc_1");
+  EXPECT_NE(strict.error().reason.find("too large for a colour"), std::string::npos);
+  ReadOptions options;
+  options.skip_invalid = true;
+  const Result<PointSet> lenient = read_points(path, options);
+  ASSERT_TRUE(lenient.ok()) << lenient.error().message();
+  ASSERT_EQ(lenient->size(), 1u);
+  EXPECT_TRUE(lenient->color[0].allFinite());
+}
+
+TEST_F(PointsIoTest, PcdMayCountItsPointsByWidthAndHeightAlone) {
+  const std::string header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
+  const std::string points = "DATA ascii\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+  const Result<PointSet> set = read_points(write("w.pcd", header + "WIDTH 2\nHEIGHT 2\n" + points));
+  ASSERT_TRUE(set.ok()) << set.error().message();
+  EXPECT_EQ(set->size(), 4u);
+  EXPECT_TRUE(read_points(write("p.pcd", header + "POINTS 4\n" + points)).ok());
+  EXPECT_FALSE(read_points(write("n.pcd", header + "WIDTH 4\n" + points)).ok());
+}
+
 TEST_F(PointsIoTest, InvalidPointsAreAnErrorOrDropped) {
   for (const std::string& format : kPlyFormats) {
     std::string bytes =

@@ -88,7 +88,9 @@ Result<Header> parse_header(const std::string& path, std::string_view bytes) {
 
   constexpr std::uint64_t kMost = 0xffffffff;
   const auto number = [&](const char* key) {
-    return entries[key].size() == 1 ? whole(entries[key][0], kMost) : std::nullopt;
+    const auto entry = entries.find(key);  // not [], which would make one
+    return entry != entries.end() && entry->second.size() == 1 ? whole(entry->second[0], kMost)
+                                                               : std::nullopt;
   };
   const auto width = number("WIDTH"), height = number("HEIGHT"), points = number("POINTS");
   for (const char* key : {"WIDTH", "HEIGHT", "POINTS"}) {
