@@ -77,6 +77,8 @@ TEST_F(GpuPasses, WhatIsHiddenAtBothEndsContributesNothing) {
   EXPECT_GT(at(Target::color_sum, 16, 16, 0), 0.0);
   EXPECT_EQ(at(Target::color_sum, 16, 16, 1), 0.0);
   EXPECT_GT(at(Target::color_sum, 16, 16, 2), 0.0);
+  // Hard coverage has no use for it either.
+  EXPECT_EQ(at(Target::behind_sum, 16, 16, 3), 0.0);
 }
 
 TEST_F(GpuPasses, WhatIsSeenAtOneEndContributesItsWholeIntegral) {
@@ -184,6 +186,22 @@ TEST_F(GpuPasses, WhatComesNearerThanTheNearPlaneIsCutInTime) {
   EXPECT_NEAR(at(Target::latest, 16, 16), 0.75, rounding);
   EXPECT_NEAR(at(Target::limit_open, 16, 16), 10.5, 10.5 * rounding);
   EXPECT_EQ(at(Target::limit_close, 16, 16), nowhere);
+}
+
+TEST_F(GpuPasses, WhatStandsNearerThanTheNearPlaneIsNotSeen) {
+  KernelSet set = stage_kernels();
+  set.near = 4.0;
+  // Tilted by 45°: nearer than its middle to the left of it, 7.5 px of it.
+  set.kernels = {disc(16.0, 16.5, 4.0, 7.5, 0.0, red)};
+  set.kernels[0].axis_u.z() = set.kernels[0].axis_u.x();
+  draw(set, stage_scene());
+  for (int x = 10; x < 22; ++x) {
+    const bool seen = x >= 16;
+    EXPECT_EQ(at(Target::limit_open, x, 16) < nowhere, seen) << x;
+    EXPECT_EQ(at(Target::earliest, x, 16), seen ? 0.0 : 2.0) << x;
+    EXPECT_EQ(at(Target::latest, x, 16), seen ? 1.0 : -1.0) << x;
+    EXPECT_EQ(at(Target::color_sum, x, 16, 3) > 0.0, seen) << x;
+  }
 }
 
 /// Discs of all attitudes, moving in all directions, in their planes too, some through the near plane.
