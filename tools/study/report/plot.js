@@ -77,13 +77,15 @@ class Plot {
       annotations: labelsOf(spec, shown, axes, view, size, narrow),
     };
     const traces = [...frontTrace(spec, axes), ...shown.map((series) => trace(series, spec, axes))];
+    // The library's own would return to the first measure's range.
+    const whole = {name: 'Show all', icon: Plotly.Icons.home, click: () => this.change()};
     Plotly.react(this.host, traces, layout, {
       displaylogo: false,
       responsive: false,
-      doubleClick: 'reset',
+      doubleClick: false,
       plotlyServerURL: '',
       // Named one by one: the library's own choice has a button that sends the data away.
-      modeBarButtons: [['toImage'], ['zoom2d', 'pan2d'], ['zoomIn2d', 'zoomOut2d', 'resetScale2d']],
+      modeBarButtons: [['toImage'], ['zoom2d', 'pan2d'], ['zoomIn2d', 'zoomOut2d', whole]],
       toImageButtonOptions: {format: 'svg', filename: this.host.id || 'plot'},
     });
     this.listen();
@@ -99,10 +101,7 @@ class Plot {
       this.zoom = {x: [...xaxis.range], y: [...yaxis.range]};
       this.queue();
     });
-    this.host.on('plotly_doubleclick', () => {
-      this.zoom = null;
-      this.queue();
-    });
+    this.host.on('plotly_doubleclick', () => this.change());
   }
 
   /** Other data: what was zoomed to means nothing there. */
