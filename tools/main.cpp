@@ -10,6 +10,8 @@
 #include "tools/compare_command.h"
 #include "tools/info_command.h"
 #include "tools/render_command.h"
+#include "tools/study/study_command.h"
+#include "tools/study/worker.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Exact motion blur for point clouds", "swept");
@@ -20,6 +22,8 @@ int main(int argc, char** argv) {
     swept::add_render_command(app, exit_code);
     swept::add_info_command(app, exit_code);
     swept::add_compare_command(app, exit_code);
+    swept::add_study_command(app, exit_code);
+    swept::add_study_worker_command(app, exit_code);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" with code 0.

@@ -12,7 +12,7 @@ install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
 foreach(header atomic_file cloud_source image_file point_file scene_file sequence surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()
-foreach(header abuffer reference)
+foreach(header abuffer reference supersample)
   install(FILES abuffer/${header}.h DESTINATION ${swept_include}/abuffer)
 endforeach()
 

@@ -1,0 +1,219 @@
+#include "tools/study/study_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/core.h>
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "splat/io/atomic_file.h"
+#include "tools/progress.h"
+#include "tools/study/document.h"
+#include "tools/study/plan.h"
+#include "tools/study/report.h"
+
+namespace swept {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct StudyArguments {
+  StudyOptions options;
+  std::vector<std::string> parts, methods;
+  bool fresh = false, repeats_given = false, samples_given = false;
+};
+
+const std::map<std::string, StudyPart> part_names = {{"scenes", StudyPart::scenes},
+                                                     {"motion", StudyPart::motion},
+                                                     {"points", StudyPart::points},
+                                                     {"table1", StudyPart::table1}};
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+/// As it was typed, but for quotes.
+std::string command_line() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  if (!text.empty() && text.back() == '\0') text.pop_back();
+  std::replace(text.begin(), text.end(), '\0', ' ');
+  return text;
+}
+
+/// All that a study is, from the first render to the report.
+class Study {
+ public:
+  explicit Study(const StudyArguments& arguments) : options_(arguments.options), runner_(options_.runner) {
+    header_.command = command_line();
+    header_.started = utc_now();
+    header_.quick = options_.quick;
+    header_.repeats = options_.runner.repeats;
+    header_.reference_samples = options_.runner.reference_samples;
+  }
+
+  Status run() {
+    const Result<StudyPlan> plan = plan_study(options_);
+    if (!plan) return plan.error();
+    for (const std::vector<Task>* tasks : {&plan->scenes, &plan->motion, &plan->points})
+      for (const Task& task : *tasks) runner_.plan(task);
+    if (const Status ran = run(plan->scenes, done_.scenes); !ran) return ran;
+    if (const Status ran = run(plan->motion, done_.motion); !ran) return ran;
+    if (const Status ran = run(plan->points, done_.points); !ran) return ran;
+    for (const auto& [paper, task] : plan->table1) {
+      const Result<Table1Row> row = run_table1_row(runner_, paper, task);
+      if (!row) return row.error();
+      table1_.push_back(*row);
+      if (const Status written = write(); !written) return written;
+    }
+    return write();
+  }
+
+  [[nodiscard]] std::size_t failed() const { return failed_; }
+
+ private:
+  Status run(const std::vector<Task>& tasks, std::vector<Task>& done) {
+    for (const Task& task : tasks) {
+      if (const Status ran = runner_.run(task); !ran) return ran;
+      done.push_back(task);
+      for (const Setting& setting : task.settings)
+        failed_ += runner_.cell(task, setting).error.empty() ? 0 : 1;
+      // What there is can be looked at while the rest is rendered.
+      if (const Status written = write(); !written) return written;
+    }
+    return Done{};
+  }
+
+  Status write() {
+    header_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    const nlohmann::ordered_json document = study_document(header_, runner_, done_, table1_);
+    const std::string& folder = options_.runner.folder;
+    const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+    if (Status written = write_file(folder + "/study.json", document.dump(2, ' ', false, replace) + '\n');
+        !written)
+      return written;
+    if (Status written = write_file(folder + "/study.csv", study_csv(document)); !written) return written;
+    return write_report(folder + "/report.html", document, folder);
+  }
+
+  StudyOptions options_;
+  Runner runner_;
+  StudyHeader header_;
+  StudyPlan done_;
+  std::vector<Table1Row> table1_;
+  std::size_t failed_ = 0;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Throws what the command line gets wrong.
+void complete(StudyArguments& arguments) {
+  StudyOptions& options = arguments.options;
+  for (const std::string& part : arguments.parts) options.parts.insert(part_names.at(part));
+  options.methods.insert(arguments.methods.begin(), arguments.methods.end());
+  if (options.runner.reference_samples % 2 != 0)
+    throw CLI::ValidationError("--reference-samples", "must be even");
+  if (options.quick && !arguments.repeats_given) options.runner.repeats = 2;
+  if (options.quick && !arguments.samples_given) options.runner.reference_samples = 256;
+}
+
+int study(StudyArguments& arguments) {
+  complete(arguments);
+  const std::string& folder = arguments.options.runner.folder;
+  const auto fail = [](const Error& error) {
+    fmt::print(stderr, "swept study: {}\n", error.message());
+    return 1;
+  };
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code) return fail({folder, "--output", code.message()});
+  if (arguments.fresh) std::filesystem::remove_all(folder + "/data", code);
+  Study run(arguments);
+  if (const Status done = run.run(); !done) return fail(done.error());
+  if (run.failed() > 0) fmt::print(stderr, "{} cells failed; the report says why\n", run.failed());
+  fmt::print("{}\n", folder + "/report.html");
+  return 0;
+}
+
+std::vector<std::string> method_ids() {
+  std::vector<std::string> ids;
+  for (const StudyMethod& method : study_methods()) ids.push_back(method.id);
+  return ids;
+}
+
+}  // namespace
+
+void add_study_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<StudyArguments>();
+  StudyOptions& options = arguments->options;
+  CLI::App* command = app.add_subcommand(
+      "study", "Measure how wrong every method is on scenes, and how long it takes; started again, goes on");
+  command->add_option("scene", options.scenes, "Scene files; by default the seven that come with the program")
+      ->type_name("FILE.json");
+  command
+      ->add_option("-o,--output", options.runner.folder,
+                   "Folder for report.html, study.json, study.csv and the images")
+      ->required()
+      ->type_name("FOLDER");
+  command->add_flag("--quick", options.quick,
+                    "Two minutes: small films, a tenth of the points, few settings");
+  command->add_option("--parts", arguments->parts, "Only these: scenes, motion, points, table1")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"scenes", "motion", "points", "table1"}));
+  command->add_option("--methods", arguments->methods, "Only these")
+      ->delimiter(',')
+      ->check(CLI::IsMember(method_ids()));
+  const auto* repeats =
+      command->add_option("--repeats", options.runner.repeats, "Timed renders of each cell [3; quick: 2]")
+          ->check(CLI::Range(1, 1000));
+  const auto* samples = command
+                            ->add_option("--reference-samples", options.runner.reference_samples,
+                                         "Still images of the reference, even [1024; quick: 256]")
+                            ->check(CLI::Range(2, 1 << 20));
+  command
+      ->add_option_function<std::vector<int>>(
+          "--size",
+          [arguments](const std::vector<int>& size) {
+            arguments->options.size = {{size[0], size[1]}};
+          },
+          "Film size in pixels; else the scene's, reduced to a longest side of 512 [quick: 160]")
+      ->delimiter('x')
+      ->expected(2)
+      ->check(CLI::Range(1, 65536))
+      ->type_name("WxH");
+  command->add_option("--points-scale", options.points_scale, "Multiply the points of generated objects")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--threads", options.runner.method.threads, "Threads; 0 takes all")
+      ->check(CLI::Range(0, 1024));
+  command
+      ->add_option("--gpu", options.runner.method.gpu,
+                   "Device of the GPU methods, as `swept info --gpus` lists them")
+      ->type_name("DEVICE");
+  command
+      ->add_option("--limit", options.runner.limit_seconds, "Seconds after which a render counts as failed")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--fresh", arguments->fresh, "Measure all of it again");
+  command->callback([arguments, repeats, samples, &exit_code] {
+    arguments->repeats_given = repeats->count() > 0;
+    arguments->samples_given = samples->count() > 0;
+    exit_code = study(*arguments);
+  });
+}
+
+}  // namespace swept
