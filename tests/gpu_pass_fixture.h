@@ -34,11 +34,15 @@ class GpuPasses : public testing::Test {
   }
 
   /// Six passes over one sub-frame, which is all of the exposure.
-  void draw(const KernelSet& set, const Scene& scene) {
+  void draw(const KernelSet& set, const Scene& scene) { draw_all({set}, scene); }
+  /// Over sub-frames of equal shares.
+  void draw_all(const std::vector<KernelSet>& sets, const Scene& scene) {
     const PixelWindow window{0, 0, scene.film.width, scene.film.height};
     width_ = window.width;
-    ASSERT_TRUE(runner_->begin_frame(stage_setup(set, scene, six_passes())));
-    runner_->draw_subframe(make_instances(set, window));
+    FrameSetup setup = stage_setup(sets.front(), scene, six_passes());
+    setup.block.share = 1.0f / static_cast<float>(sets.size());
+    ASSERT_TRUE(runner_->begin_frame(setup));
+    for (const KernelSet& set : sets) runner_->draw_subframe(make_instances(set, window));
     const Result<DrawnFrame> frame = runner_->end_frame();
     ASSERT_TRUE(frame) << frame.error().message();
     const Status status = runner_->wait(*frame);

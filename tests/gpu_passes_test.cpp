@@ -140,6 +140,31 @@ TEST_F(GpuPasses, NormalisationDividesByTheWeightsAndLeavesTheRestToTheBackgroun
   EXPECT_NEAR(at(Target::frame_color, 2, 2, 2), 2.0, rounding);
 }
 
+TEST_F(GpuPasses, SubframesAddUpByTheirSharesAndLeaveNothingToTheNext) {
+  // A red disc in the first, half of the time, and a green one elsewhere in the second and in the third.
+  std::vector<KernelSet> sets(4, stage_kernels());
+  sets[0].kernels = {disc(13.0, 16.5, 100.0, 2.0, 8.0, red)};
+  sets[1].kernels = sets[2].kernels = {disc(24.5, 16.5, 80.0, 2.0, 0.0, green)};
+  Scene scene = stage_scene();
+  scene.background = {0.0f, 0.0f, 2.0f, 1.0f};
+  draw_all(sets, scene);
+  // Pixel 12's chord is 4 px of 8.
+  EXPECT_NEAR(at(Target::frame_color, 12, 16, 0), 0.5 / 4.0, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 12, 16, 2), 2.0 * 3.5 / 4.0, 2.0 * rounding);
+  EXPECT_NEAR(at(Target::frame_color, 12, 16, 3), 1.0, rounding);
+  EXPECT_NEAR(at(Target::frame_depth, 12, 16, 0), 100.0 * 0.5 / 4.0, 100.0 * rounding);
+  EXPECT_NEAR(at(Target::frame_depth, 12, 16, 1), 0.5 / 4.0, rounding);
+  EXPECT_NEAR(at(Target::frame_color, 24, 16, 1), 0.5, rounding);
+  EXPECT_NEAR(at(Target::frame_depth, 24, 16, 0), 80.0 * 0.5, 80.0 * rounding);
+  for (const int x : {12, 24}) {
+    EXPECT_EQ(at(Target::limit_open, x, 16), nowhere);
+    EXPECT_EQ(at(Target::limit_close, x, 16), nowhere);
+    EXPECT_GT(at(Target::earliest, x, 16), at(Target::latest, x, 16));
+    EXPECT_EQ(at(Target::color_sum, x, 16, 3), 0.0);
+    EXPECT_EQ(at(Target::depth_sum, x, 16), 0.0);
+  }
+}
+
 TEST_F(GpuPasses, SoftCoverageIsThatOfTheMeanKernelSum) {
   KernelSet set = stage_kernels();
   set.kernels = {disc(16.5, 16.5, 100.0, 2.0, 0.0, red)};
