@@ -27,7 +27,7 @@ enum MemberField : std::size_t {
 };
 
 /// `count` members, in arrays that may be read up to `padded`, a multiple of member_lanes. What lies between
-/// are copies of members with peak 0.
+/// is finite and means nothing.
 struct Members {
   const float* data;   ///< field by field
   std::size_t stride;  ///< from one field to the next

@@ -51,23 +51,23 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, float begin, fl
   const float *t = members.field(member_t_begin), *z = members.field(member_z),
               *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
               *speed = members.field(member_rate);
-  // What is beyond the last member is a copy of the first.
   constexpr float beyond = std::numeric_limits<float>::max();
   Lanes min_begin = all(beyond), min_end = min_begin, min_tolerance = min_begin;
-  Lanes max_begin = all(-beyond), max_end = max_begin, max_tolerance = max_begin, max_rate = max_begin;
+  Lanes max_begin = all(-beyond), max_end = max_begin, max_tolerance = all(0.0f), max_rate = max_tolerance;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const Lanes from = load(t + i), depth = load(z + i), rate = load(z_rate + i);
     const Lanes at_begin = depth + rate * (begin - from), at_end = depth + rate * (end - from);
-    const Lanes reach = load(tolerance + i), fast = load(speed + i);
+    const Lanes reach = load(tolerance + i);
     store(at_begin, z_begin + i);
     store(at_end, z_end + i);
-    min_begin = smaller(min_begin, at_begin);
-    max_begin = larger(max_begin, at_begin);
-    min_end = smaller(min_end, at_end);
-    max_end = larger(max_end, at_end);
-    min_tolerance = smaller(min_tolerance, reach);
-    max_tolerance = larger(max_tolerance, reach);
-    max_rate = larger(max_rate, fast);
+    const LaneBits present = lanes_below(members.count - i);
+    min_begin = smaller(min_begin, choose(present, at_begin, all(beyond)));
+    max_begin = larger(max_begin, choose(present, at_begin, all(-beyond)));
+    min_end = smaller(min_end, choose(present, at_end, all(beyond)));
+    max_end = larger(max_end, choose(present, at_end, all(-beyond)));
+    min_tolerance = smaller(min_tolerance, choose(present, reach, all(beyond)));
+    max_tolerance = larger(max_tolerance, only(present, reach));
+    max_rate = larger(max_rate, only(present, load(speed + i)));
   }
   return {smallest(min_begin),     largest(max_begin),     smallest(min_end), largest(max_end),
           smallest(min_tolerance), largest(max_tolerance), largest(max_rate)};
@@ -96,9 +96,12 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float 
   const float duration = end - begin, middle_time = 0.5f * (begin + end);
   Lanes reach = all(0.0f);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
-    const Lanes speed = load(rate + i), span = speed * duration;
+    const LaneBits present = lanes_below(members.count - i);
+    const Lanes speed = only(present, load(rate + i)), span = speed * duration;
     const Lanes middle = within_exp(load(y + i) + speed * (middle_time - load(t + i)));
-    store(load(peak + i) * exp_minus_square(middle) * GaussianSeries<float>::factor(middle, span), mean + i);
+    store(only(present, load(peak + i)) * exp_minus_square(middle) *
+              GaussianSeries<float>::factor(middle, span),
+          mean + i);
     reach = larger(reach, series_reach(middle, span));
   }
   if (largest(reach) > 1.0f) long_means(members, begin, end, mean);
@@ -108,7 +111,8 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float 
   Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,
         variation = weight, peaks = weight, widest = weight;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
-    const Lanes m = load(mean + i), speed = load(rate + i), span = speed * duration;
+    const LaneBits present = lanes_below(members.count - i);
+    const Lanes m = load(mean + i), speed = only(present, load(rate + i)), span = speed * duration;
     const Lanes since = middle_time - load(t + i);
     const Lanes middle = load(y + i) + speed * since;
     weight += m;
@@ -117,14 +121,19 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float 
     blue += m * load(blue_of + i);
     alpha += m * load(alpha_of + i);
     depth += m * (load(z + i) + load(z_rate + i) * since);
-    peaks += load(peak + i);
-    // exp(−y²) differs from its mean over a span s about m by a factor of at most exp(±2s(|m| + s/2)).
-    variation += m * (2.0f * span * (magnitude(middle) + 0.5f * span));
+    peaks += only(present, load(peak + i));
+    // With x = s|m| the mean is at most exp(−m²) sinh(x)/x, and the least value, at an end, exp(−m² − x −
+    // s²/4): they differ by at most the mean times x + s²/4 + x²/6, for 1 − e⁻ᵃ x/sinh x ≤ a + x²/6.
+    const Lanes x = span * magnitude(middle);
+    variation += m * (x + 0.25f * (span * span) + (1.0f / 6.0f) * (x * x));
     widest = larger(widest, span);
   }
-  float sums[member_lanes];
-  store(totals(weight, red, green, blue, alpha, depth, variation, peaks), sums);
-  return {{sums[0], {sums[1], sums[2], sums[3], sums[4]}, sums[5]}, sums[6], sums[7], largest(widest)};
+  MemberSum sum;
+  static_assert(offsetof(MemberSum, peaks) == 7 * sizeof(float), "totals in the order of its members");
+  const Lanes first_eight = totals(weight, red, green, blue, alpha, depth, variation, peaks);
+  std::memcpy(static_cast<void*>(&sum), &first_eight, sizeof first_eight);
+  sum.widest = largest(widest);
+  return sum;
 }
 
 }  // namespace

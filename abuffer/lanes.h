@@ -73,6 +73,9 @@ inline Lanes floats_of(const LaneBits& a) {
 inline LaneBits operator&(const LaneBits& a, std::uint32_t b) {
   return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] & b; });
 }
+inline LaneBits operator&(const LaneBits& a, const LaneBits& b) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] & b[i]; });
+}
 inline LaneBits operator<<(const LaneBits& a, int b) {
   return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] << b; });
 }
@@ -89,6 +92,13 @@ inline float smallest(const Lanes& a) {
   float value = a[0];
   for (const float other : a.lane) value = other < value ? other : value;
   return value;
+}
+/// All ones in the lanes below `count`, for choose() and to cut others to zero.
+inline LaneBits lanes_below(std::size_t count) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return i < count ? ~0u : 0u; });
+}
+inline Lanes choose(const LaneBits& mask, const Lanes& a, const Lanes& b) {
+  return by_lane<float>([&](std::size_t i) { return mask[i] ? a[i] : b[i]; });
 }
 /// Each argument's sum of lanes, added up in this order.
 inline Lanes totals(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d, const Lanes& e,
@@ -117,6 +127,15 @@ SWEPT_INLINE float largest(const Lanes& a) {
 }
 SWEPT_INLINE float smallest(const Lanes& a) { return -largest(-a); }
 
+SWEPT_INLINE LaneBits lanes_below(std::size_t count) {
+  const LaneBits lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  const LaneBits limit = static_cast<std::uint32_t>(count < 8 ? count : 8) - LaneBits{};
+  return (LaneBits)(lane < limit);
+}
+SWEPT_INLINE Lanes choose(const LaneBits& mask, const Lanes& a, const Lanes& b) {
+  return floats_of((bits_of(a) & mask) | (bits_of(b) & ~mask));
+}
+
 /// Each argument's sum of lanes, added up as ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7)): adds halves, quarters
 /// and eighths of all arguments at once.
 SWEPT_INLINE Lanes totals(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d, const Lanes& e,
@@ -144,6 +163,8 @@ SWEPT_INLINE Lanes load(const float* from) {
   return lanes;
 }
 SWEPT_INLINE void store(const Lanes& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+/// `a` in the lanes of `mask`, zero in the others.
+SWEPT_INLINE Lanes only(const LaneBits& mask, const Lanes& a) { return floats_of(bits_of(a) & mask); }
 SWEPT_INLINE Lanes magnitude(const Lanes& a) { return floats_of(bits_of(a) & 0x7fffffffu); }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "abuffer/fragments.h"
@@ -11,63 +13,60 @@
 
 namespace swept {
 
+/// One member's fields, in the order of MemberField.
+using Member = std::array<float, member_fields>;
+
+[[nodiscard]] inline Member member_of(const FragmentArrays& fragments, std::size_t f, const Shade& shade) {
+  return {fragments.t_begin[f], fragments.y[f],      fragments.rate[f],     fragments.peak[f],
+          fragments.z[f],       fragments.z_rate[f], shade.depth_tolerance, shade.rgba[0],
+          shade.rgba[1],        shade.rgba[2],       shade.rgba[3]};
+}
+
 class MemberSet {
  public:
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] float get(MemberField field, std::size_t i) const { return data_[field * stride_ + i]; }
-
-  void clear() {
-    size_ = 0;
-    padded_ = false;
-  }
+  void clear() { size_ = 0; }
 
   void push(const FragmentArrays& fragments, std::size_t f, const Shade& shade) {
-    append({fragments.t_begin[f], fragments.y[f], fragments.rate[f], fragments.peak[f], fragments.z[f],
-            fragments.z_rate[f], shade.depth_tolerance, shade.rgba[0], shade.rgba[1], shade.rgba[2],
-            shade.rgba[3]});
+    push(member_of(fragments, f, shade));
+  }
+  void push(const Member& member) {
+    if (size_ == stride_) grow(size_ + 1);
+    for (std::size_t field = 0; field < member_fields; ++field)
+      data_[field * stride_ + size_] = member[field];
+    ++size_;
   }
 
-  void push(const MemberSet& other, std::size_t i) {
-    std::array<float, member_fields> values;
-    for (std::size_t field = 0; field < member_fields; ++field)
-      values[field] = other.data_[field * other.stride_ + i];
-    append(values);
+  /// Members `indices` of `other`, and no others.
+  void assign(const MemberSet& other, std::span<const std::uint32_t> indices) {
+    size_ = indices.size();
+    if (size_ > stride_) grow(size_);
+    for (std::size_t field = 0; field < member_fields; ++field) {
+      const float* const from = other.data_.data() + field * other.stride_;
+      float* const to = data_.data() + field * stride_;
+      for (std::size_t i = 0; i < indices.size(); ++i) to[i] = from[indices[i]];
+    }
   }
 
   /// The last member takes the place of member `i`.
   void remove(std::size_t i) {
     --size_;
-    padded_ = false;
     for (std::size_t field = 0; field < member_fields; ++field)
       data_[field * stride_ + i] = data_[field * stride_ + size_];
   }
 
-  /// Fills the last vector with members of no weight. Precondition: size() > 0.
-  [[nodiscard]] Members view() {
-    const std::size_t padded = (size_ + member_lanes - 1) / member_lanes * member_lanes;
-    if (!padded_)
-      for (std::size_t field = 0; field < member_fields; ++field) {
-        // Copies of a real member but for the weight, so that no lane leaves the range of the others.
-        float* const values = data_.data() + field * stride_;
-        std::fill(values + size_, values + padded, field == member_peak ? 0.0f : values[0]);
-      }
-    padded_ = true;
-    return {data_.data(), stride_, size_, padded};
+  [[nodiscard]] const float* field(MemberField which) const { return data_.data() + which * stride_; }
+  [[nodiscard]] Members view() const {
+    return {data_.data(), stride_, size_, (size_ + member_lanes - 1) / member_lanes * member_lanes};
   }
 
  private:
-  void append(const std::array<float, member_fields>& values) {
-    if (size_ == stride_) grow();
-    for (std::size_t field = 0; field < member_fields; ++field)
-      data_[field * stride_ + size_] = values[field];
-    ++size_;
-    padded_ = false;
-  }
-  void grow() {
-    const std::size_t stride = std::max<std::size_t>(64, 2 * stride_);  // whole vectors
+  void grow(std::size_t least) {
+    std::size_t stride = std::max<std::size_t>(64, 2 * stride_);  // whole vectors
+    while (stride < least) stride *= 2;
     std::vector<float> data(member_fields * stride);
     for (std::size_t field = 0; field < member_fields; ++field)
-      std::copy_n(data_.begin() + static_cast<std::ptrdiff_t>(field * stride_), size_,
+      std::copy_n(data_.begin() + static_cast<std::ptrdiff_t>(field * stride_), stride_,
                   data.begin() + static_cast<std::ptrdiff_t>(field * stride));
     data_ = std::move(data);
     stride_ = stride;
@@ -75,7 +74,6 @@ class MemberSet {
 
   std::vector<float> data_;
   std::size_t stride_ = 0, size_ = 0;
-  bool padded_ = false;
 };
 
 }  // namespace swept

@@ -70,11 +70,9 @@ float SurfaceStack::attempt(float begin, float end) {
     if (sooner < end) return sooner;
     if (parts_.size() == surfaces_.size()) parts_.emplace_back();
     MemberSet& part = parts_[surfaces_.size()];
-    part.clear();
-    for (std::size_t i = used_; i < last; ++i) {
-      part.push(*active_, order_[i]);
+    part.assign(*active_, std::span(order_).subspan(used_, last - used_));
+    for (std::size_t i = used_; i < last; ++i)
       limit_ = std::max({limit_, z_begin_[order_[i]], z_end_[order_[i]]});
-    }
     used_ = last;
     surfaces_.push_back({part.view(), {}});
     sooner = measure(surfaces_.back(), begin, end);
@@ -88,53 +86,58 @@ float SurfaceStack::attempt(float begin, float end) {
 /// returns their end. Shortens `end` to the time until which they are its members.
 std::size_t SurfaceStack::gather_nearest(std::size_t first, float begin, float& end) {
   const std::size_t count = order_.size();
-  const auto rate_of = [&](std::uint32_t k) { return active_->get(member_z_rate, k); };
-  const auto tolerance_of = [&](std::uint32_t k) { return active_->get(member_tolerance, k); };
+  const float* const z_begin = z_begin_.data();
+  const float* const z_end = z_end_.data();
+  const float* const rates = active_->field(member_z_rate);
+  const float* const tolerances = active_->field(member_tolerance);
+  std::uint32_t* const order = order_.data();
+  const auto rate_of = [&](std::uint32_t k) { return rates[k]; };
+  const auto tolerance_of = [&](std::uint32_t k) { return tolerances[k]; };
   // Among equals the one that will be nearest, then the one that reaches farthest.
   const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
-    if (z_begin_[a] != z_begin_[b]) return z_begin_[a] < z_begin_[b];
+    if (z_begin[a] != z_begin[b]) return z_begin[a] < z_begin[b];
     if (rate_of(a) != rate_of(b)) return rate_of(a) < rate_of(b);
     return tolerance_of(a) > tolerance_of(b);
   };
-  std::uint32_t nearest = order_[first];
+  std::uint32_t nearest = order[first];
   for (std::size_t i = first + 1; i < count; ++i)
-    if (nearer(order_[i], nearest)) nearest = order_[i];
+    if (nearer(order[i], nearest)) nearest = order[i];
 
-  const float tolerance = tolerance_of(nearest), limit = z_begin_[nearest] + tolerance;
+  const float tolerance = tolerance_of(nearest), limit = z_begin[nearest] + tolerance;
   std::size_t last = first;
   for (std::size_t i = first; i < count; ++i) {
-    const std::uint32_t k = order_[i];
-    if (z_begin_[k] < limit || (z_begin_[k] == limit && rate_of(k) <= rate_of(nearest)))
-      std::swap(order_[i], order_[last++]);
+    const std::uint32_t k = order[i];
+    if (z_begin[k] < limit || (z_begin[k] == limit && rate_of(k) <= rate_of(nearest)))
+      std::swap(order[i], order[last++]);
   }
 
   // If no member is out of reach of the lower envelope at either end, none leaves between; and what lies
   // beyond reach of one and the same member at both ends stays behind.
-  std::uint32_t nearest_at_end = order_[first];
+  std::uint32_t nearest_at_end = order[first];
   float smallest = infinity, largest = 0.0f;
   for (std::size_t i = first; i < last; ++i) {
-    const std::uint32_t k = order_[i];
-    if (z_end_[k] < z_end_[nearest_at_end]) nearest_at_end = k;
+    const std::uint32_t k = order[i];
+    if (z_end[k] < z_end[nearest_at_end]) nearest_at_end = k;
     smallest = std::min(smallest, tolerance_of(k));
     largest = std::max(largest, tolerance_of(k));
   }
   bool holds = true;
   for (std::size_t i = first; i < last && holds; ++i)
-    holds = z_begin_[order_[i]] - z_begin_[nearest] <= smallest &&
-            z_end_[order_[i]] - z_end_[nearest_at_end] <= smallest;
+    holds = z_begin[order[i]] - z_begin[nearest] <= smallest &&
+            z_end[order[i]] - z_end[nearest_at_end] <= smallest;
   const auto beyond = [&](std::uint32_t k, std::uint32_t of) {
-    return z_begin_[k] - z_begin_[of] > largest && z_end_[k] - z_end_[of] > largest;
+    return z_begin[k] - z_begin[of] > largest && z_end[k] - z_end[of] > largest;
   };
   for (std::size_t i = last; i < count && holds; ++i)
-    holds = beyond(order_[i], nearest) || beyond(order_[i], nearest_at_end);
+    holds = beyond(order[i], nearest) || beyond(order[i], nearest_at_end);
   if (holds) return last;
 
   // Otherwise until the nearest is overtaken, or something comes within its tolerance or leaves it.
   float wait = end - begin;
   for (std::size_t i = first; i < count; ++i) {
-    const std::uint32_t k = order_[i];
+    const std::uint32_t k = order[i];
     if (k == nearest) continue;
-    const float above = z_begin_[k] - z_begin_[nearest];
+    const float above = z_begin[k] - z_begin[nearest];
     const float rate = rate_of(k) - rate_of(nearest);
     if (i < last && rate > 0.0f)
       wait = std::min(wait, (tolerance - above) / rate);

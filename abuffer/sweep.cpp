@@ -20,11 +20,8 @@ std::uint32_t event_place(std::uint64_t key) { return static_cast<std::uint32_t>
 void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
                          const std::uint32_t* indices, std::size_t count, PixelSum& pixel,
                          SweepCounters& counters) {
-  fragments_ = &fragments;
-  shades_ = shades.data();
-  indices_ = indices;
   counters_ = &counters;
-  start(count);
+  start(fragments, shades.data(), indices, count);
   float time = event_time(begins_.front());
   while (next_end_ < count) {
     pass_events(time);
@@ -39,15 +36,21 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
   surfaces_.model().finish(pixel);
 }
 
-void PixelSweep::start(std::size_t count) {
+void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
+                       std::size_t count) {
+  local_.resize(count);
   begins_.resize(count);
   ends_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    begins_[i] = event_key(fragments_->t_begin[indices_[i]], i);
-    ends_[i] = event_key(fragments_->t_end[indices_[i]], i);
+    const std::uint32_t f = indices[i];
+    const float begin = fragments.t_begin[f], end = fragments.t_end[f], z = fragments.z[f];
+    local_[i] = {member_of(fragments, f, shades[fragments.kernel[f]]), end,
+                 std::min(z, z + fragments.z_rate[f] * (end - begin))};
+    begins_[i] = event_key(begin, i);
+    ends_[i] = event_key(end, i);
   }
-  std::sort(begins_.begin(), begins_.end());
-  std::sort(ends_.begin(), ends_.end());
+  sort_events(begins_);
+  sort_events(ends_);
   next_begin_ = next_end_ = 0;
   state_.assign(count, State::waiting);
   slot_.resize(count);
@@ -57,12 +60,31 @@ void PixelSweep::start(std::size_t count) {
   hidden_min_z_ = front_limit_ = infinity;
 }
 
+/// By as many buckets of time as there are events, and within each: times are spread out more often than not.
+void PixelSweep::sort_events(std::vector<std::uint64_t>& events) {
+  const auto count = static_cast<std::uint32_t>(events.size());
+  const auto bucket_of = [&](std::uint64_t key) {
+    return std::min(static_cast<std::uint32_t>(event_time(key) * static_cast<float>(count)), count - 1);
+  };
+  buckets_.assign(count + 1, 0);
+  for (const std::uint64_t key : events) ++buckets_[bucket_of(key) + 1];
+  for (std::uint32_t b = 0; b < count; ++b) buckets_[b + 1] += buckets_[b];
+  by_bucket_.resize(count);
+  for (const std::uint64_t key : events) by_bucket_[buckets_[bucket_of(key)]++] = key;
+  // Now buckets_[b] is where bucket b ends.
+  std::uint32_t first = 0;
+  for (std::uint32_t b = 0; b < count; ++b) {
+    if (buckets_[b] - first > 1) std::sort(by_bucket_.begin() + first, by_bucket_.begin() + buckets_[b]);
+    first = buckets_[b];
+  }
+  events.swap(by_bucket_);
+}
+
 void PixelSweep::activate(std::uint32_t place) {
   state_[place] = State::active;
   slot_[place] = static_cast<std::uint32_t>(active_.size());
   place_.push_back(place);
-  const std::uint32_t f = indices_[place];
-  active_.push(*fragments_, f, shades_[fragments_->kernel[f]]);
+  active_.push(local_[place].member);
 }
 
 void PixelSweep::deactivate(std::uint32_t place) {
@@ -110,18 +132,12 @@ float PixelSweep::next_event() {
   return next;
 }
 
-float PixelSweep::least_depth(std::uint32_t place) const {
-  const std::uint32_t f = indices_[place];
-  const float z = fragments_->z[f];
-  return std::min(z, z + fragments_->z_rate[f] * (fragments_->t_end[f] - fragments_->t_begin[f]));
-}
-
 bool PixelSweep::lies_behind(std::uint32_t place) const {
-  return front_limit_ != infinity && least_depth(place) > front_limit_ + front_margin_;
+  return front_limit_ != infinity && local_[place].least_depth > front_limit_ + front_margin_;
 }
 
 void PixelSweep::hide(std::uint32_t place) {
-  hidden_min_z_ = std::min(hidden_min_z_, least_depth(place));
+  hidden_min_z_ = std::min(hidden_min_z_, local_[place].least_depth);
   hidden_.push_back(place);
   state_[place] = State::hidden;
   ++counters_->hidden;
@@ -142,10 +158,9 @@ void PixelSweep::reveal(float time) {
   ++counters_->revealed;
   front_limit_ = infinity;
   for (const std::uint32_t place : hidden_) {
-    const std::uint32_t f = indices_[place];
-    if (fragments_->t_end[f] <= time)
+    if (local_[place].t_end <= time)
       state_[place] = State::gone;
-    else if (fragments_->t_begin[f] <= time)
+    else if (local_[place].t_begin() <= time)
       activate(place);
     else
       state_[place] = State::waiting;

@@ -36,7 +36,18 @@ class PixelSweep {
  private:
   enum class State : std::uint8_t { waiting, active, hidden, gone };
 
-  void start(std::size_t count);
+  /// A fragment in the pixel's own array: what the sweep reads over and over, side by side.
+  struct Local {
+    Member member;
+    float t_end;
+    float least_depth;  ///< over all of its time
+
+    [[nodiscard]] float t_begin() const { return member[member_t_begin]; }
+  };
+
+  void start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
+             std::size_t count);
+  void sort_events(std::vector<std::uint64_t>& events);
   void activate(std::uint32_t place);
   void deactivate(std::uint32_t place);
   void pass_events(float time);
@@ -44,22 +55,21 @@ class PixelSweep {
   void hide(std::uint32_t place);
   void hide_what_is_behind();
   void reveal(float time);
-  [[nodiscard]] float least_depth(std::uint32_t place) const;
   [[nodiscard]] bool lies_behind(std::uint32_t place) const;
 
   float resolve_until(float begin, float end, PixelSum& pixel);
 
   SurfaceStack surfaces_;
 
-  // One call's input.
-  const FragmentArrays* fragments_ = nullptr;
-  const Shade* shades_ = nullptr;
-  const std::uint32_t* indices_ = nullptr;
+  // One call's input: place in `indices` → fragment.
+  std::vector<Local> local_;
   SweepCounters* counters_ = nullptr;
 
-  // Events, and where each place of `indices` stands.
+  // Events, and where each place stands.
   std::vector<std::uint64_t> begins_, ends_;  ///< time's bits above, place below; sorted
   std::size_t next_begin_ = 0, next_end_ = 0;
+  std::vector<std::uint32_t> buckets_;
+  std::vector<std::uint64_t> by_bucket_;
   std::vector<State> state_;
   std::vector<std::uint32_t> slot_;   ///< place → active_, of the active ones
   std::vector<std::uint32_t> place_;  ///< active_ → place
