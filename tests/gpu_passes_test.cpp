@@ -216,17 +216,21 @@ TEST_F(GpuPasses, WhatComesNearerThanTheNearPlaneIsCutInTime) {
 TEST_F(GpuPasses, WhatStandsNearerThanTheNearPlaneIsNotSeen) {
   KernelSet set = stage_kernels();
   set.near = 4.0;
-  // Tilted by 45°: nearer than its middle to the left of it, 7.5 px of it.
-  set.kernels = {disc(16.0, 16.5, 4.0, 7.5, 0.0, red)};
+  // Tilted, so that the near plane cuts it across the diagonal: its box holds pixels of both sides.
+  set.kernels = {disc(16.0, 16.0, 4.0, 7.5, 0.0, red)};
   set.kernels[0].axis_u.z() = set.kernels[0].axis_u.x();
+  set.kernels[0].axis_v.z() = set.kernels[0].axis_v.y();
   draw(set, stage_scene());
-  for (int x = 10; x < 22; ++x) {
-    const bool seen = x >= 16;
-    EXPECT_EQ(at(Target::limit_open, x, 16) < nowhere, seen) << x;
-    EXPECT_EQ(at(Target::earliest, x, 16), seen ? 0.0 : 2.0) << x;
-    EXPECT_EQ(at(Target::latest, x, 16), seen ? 1.0 : -1.0) << x;
-    EXPECT_EQ(at(Target::color_sum, x, 16, 3) > 0.0, seen) << x;
-  }
+  for (int y = 12; y < 20; ++y)
+    for (int x = 12; x < 20; ++x) {
+      SCOPED_TRACE(testing::Message() << x << ", " << y);
+      if (x + y == 31) continue;  // on the plane
+      const bool seen = x + y > 31;
+      EXPECT_EQ(at(Target::limit_open, x, y) < nowhere, seen);
+      EXPECT_EQ(at(Target::earliest, x, y), seen ? 0.0 : 2.0);
+      EXPECT_EQ(at(Target::latest, x, y), seen ? 1.0 : -1.0);
+      EXPECT_EQ(at(Target::color_sum, x, y, 3) > 0.0, seen);
+    }
 }
 
 /// Discs of all attitudes, moving in all directions, in their planes too, some through the near plane.
