@@ -18,6 +18,10 @@ constexpr float shortest_interval = 0x1p-20f;
 /// surface. The ratio of integrals differs from the integral of ratios in second order of this.
 constexpr float longest_span = 0.5f;
 
+/// And how much of the exposure such a piece may last, times the square of that: what the difference is worth
+/// in the image. Measured on two discs that fill the film: 67 dB without it, 84 with it.
+constexpr float longest_lasting = 0x1p-8f;
+
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
 constexpr float coverage_error = 0x1p-15f;
 
@@ -46,10 +50,14 @@ float SurfaceStack::attempt(float begin, float end) {
 
   const DepthRange range = math_.depths_over(all, begin, end, z_begin_.data(), z_end_.data());
   margin_ = range.max_tolerance;
-  // A little less than the limit, so that rounding does not ask for the same again.
-  if (count > 1 && range.max_rate * (end - begin) > longest_span) {
-    const float cut = shorten(begin, end, 0.99f * longest_span / (range.max_rate * (end - begin)));
-    if (cut < end) return cut;
+  if (count > 1) {
+    const float span = range.max_rate * (end - begin), lasting = span * span * (end - begin);
+    if (span > longest_span || lasting > longest_lasting) {
+      // A little less than the limit, so that rounding does not ask for the same again.
+      const float fraction = std::min(longest_span / span, std::cbrt(longest_lasting / lasting));
+      const float cut = shorten(begin, end, 0.99f * fraction);
+      if (cut < end) return cut;
+    }
   }
   // A member's height above the lower envelope of all is convex in time, so it is largest at an end.
   if (range.max_begin - range.min_begin <= range.min_tolerance &&
