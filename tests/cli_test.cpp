@@ -284,6 +284,19 @@ TEST_F(Command, StatisticsAreJson) {
   EXPECT_GE(stats["frames"][0]["seconds"]["render"], 0.0);
 }
 
+/// The reference takes its samples at the same instants of the same linear path.
+TEST_F(Command, AveragedStillsAreTheReferenceOfAsMany) {
+  ASSERT_EQ(
+      swept({"render", "{}scene.json", "-o", "{}a.exr", "--method", "cpu-still", "--samples", "6"}).exit_code,
+      0);
+  ASSERT_EQ(swept({"render", "{}scene.json", "-o", "{}b.exr", "--method", "reference", "--samples", "6",
+                   "--reference-motion", "smooth"})
+                .exit_code,
+            0);
+  const Outcome outcome = swept({"compare", "{}a.exr", "{}b.exr", "--min-psnr", "100"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
+}
+
 TEST_F(Command, InfoResolvesTheScene) {
   const Outcome outcome = swept({"info", "{}scene.json", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -15,6 +15,7 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference.h"
+#include "abuffer/supersample.h"
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"
 #include "splat/io/scene_file.h"
@@ -55,7 +56,8 @@ void check_method_options(const RenderArguments& arguments) {
   const bool reference = arguments.method == "reference", six_pass = arguments.method == "gpu";
   const bool gpu = six_pass || arguments.method == "gpu-still";
   check("--normalisation", arguments.normalisation_given, "abuffer", arguments.method == "abuffer");
-  check("--samples", arguments.samples.has_value(), "reference", reference);
+  check("--samples", arguments.samples.has_value(), "reference or cpu-still",
+        reference || arguments.method == "cpu-still");
   check("--reference-motion", arguments.motion_given, "reference", reference);
   check("--subframes", arguments.subframes.has_value(), "gpu or gpu-still", gpu);
   check("--gpu", !arguments.gpu.empty(), "gpu or gpu-still", gpu);
@@ -90,6 +92,17 @@ Method choose_method(const RenderArguments& arguments) {
         std::make_shared<OneByOne>([options](const Scene& scene) { return render_abuffer(scene, options); }),
         {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
         per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
+  }
+  if (arguments.method == "cpu-still") {
+    SupersampleOptions options;
+    options.threads = arguments.threads;
+    options.samples = arguments.samples.value_or(options.samples);
+    if (const Status valid = options.validate(); !valid)
+      throw CLI::ValidationError("--samples", valid.error().reason);
+    return {std::make_shared<OneByOne>(
+                [options](const Scene& scene) { return render_supersampled(scene, options); }),
+            {{"threads", options.threads}, {"samples", options.samples}},
+            fmt::format("cpu-still {}", options.samples)};
   }
   ReferenceOptions options;
   options.threads = arguments.threads;
@@ -222,9 +235,9 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--method", arguments->method,
-          "The exact A-buffer, the mean of many still images, the six passes on a GPU, or still frames "
-          "averaged there")
-      ->check(CLI::IsMember({"abuffer", "reference", "gpu", "gpu-still"}))
+          "The exact A-buffer, still images averaged, the six passes on a GPU, still images averaged "
+          "there, or the slow reference")
+      ->check(CLI::IsMember({"abuffer", "cpu-still", "gpu", "gpu-still", "reference"}))
       ->capture_default_str();
   const auto* normalisation =
       command
@@ -233,7 +246,8 @@ void add_render_command(CLI::App& app, int& exit_code) {
                        "pixel, as Heinzle et al. 2010 do, which is another image")
           ->check(CLI::IsMember({"interval", "pixel"}))
           ->capture_default_str();
-  command->add_option("--samples", arguments->samples, "Still images of the reference, even [256]");
+  command->add_option("--samples", arguments->samples,
+                      "Still images that are averaged [cpu-still: 16; reference: 256, even]");
   const auto* motion =
       command
           ->add_option("--reference-motion", arguments->motion,
