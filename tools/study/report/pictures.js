@@ -108,8 +108,15 @@ function splitView(scene) {
 /** What the colours of difference images mean. */
 function colourBar(scale) {
   if (!scale || listOf(scale.colors).length < 2) return null;
-  const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => short(scale.low + part * (scale.high - scale.low), 2));
-  ticks[4] += ' and more';
+  const steps = scale.log ? Math.max(1, Math.round(Math.log10(scale.high / scale.low))) : 4;
+  const ticks = Array.from({length: steps + 1}, (_, i) => {
+    const part = i / steps;
+    return short(
+        scale.log ? scale.low * (scale.high / scale.low) ** part : scale.low + part * (scale.high - scale.low),
+        2);
+  });
+  ticks[steps] += ' and more';
+  if (scale.log) ticks[0] += ' and less';
   return [
     element('div', {
       class: 'colour-bar',
