@@ -127,7 +127,7 @@ class Planner {
   /// The film the study wants of a scene of this film.
   [[nodiscard]] std::array<int, 2> size_of(const Film& film) const {
     if (options_.size) return *options_.size;
-    const double longest = options_.quick ? 160.0 : 512.0;
+    const double longest = options_.quick ? 160.0 : 384.0;
     const double scale = std::min(1.0, longest / std::max(film.width, film.height));
     return {std::max(1, static_cast<int>(std::lround(film.width * scale))),
             std::max(1, static_cast<int>(std::lround(film.height * scale)))};

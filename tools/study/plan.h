@@ -24,7 +24,7 @@ struct StudyOptions {
   std::vector<std::string> scenes;         ///< scene files; empty: all that come with the program
   std::set<StudyPart> parts;               ///< empty: all, or all but table1 if quick
   std::set<std::string> methods;           ///< ids of study_methods(); empty: all that the build has
-  std::optional<std::array<int, 2>> size;  ///< of the film; else the scene's, with a longest side of 512 px
+  std::optional<std::array<int, 2>> size;  ///< of the film; else the scene's, with a longest side of 384 px
   bool quick = false;                      ///< few settings, a tenth of the points, a longest side of 160 px
   double points_scale = 1.0;               ///< of all generated objects
   RunnerOptions runner;

@@ -191,7 +191,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
           [arguments](const std::vector<int>& size) {
             arguments->options.size = {{size[0], size[1]}};
           },
-          "Film size in pixels; else the scene's, reduced to a longest side of 512 [quick: 160]")
+          "Film size in pixels; else the scene's, reduced to a longest side of 384 [quick: 160]")
       ->delimiter('x')
       ->expected(2)
       ->check(CLI::Range(1, 65536))
