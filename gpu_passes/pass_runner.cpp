@@ -1,10 +1,10 @@
 #include "gpu_passes/pass_runner.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <utility>
 
+#include "gpu_passes/gaussian_table.h"
 #include "gpu_passes/gl_errors.h"
 #include "gpu_passes/program.h"
 
@@ -18,26 +18,6 @@ constexpr int table_unit = 7;
 
 int unit_of(std::string_view sampler) {
   return static_cast<int>(std::find(samplers.begin(), samplers.end(), sampler) - samplers.begin());
-}
-
-GlTexture make_table() {
-  std::vector<float> entries;
-  entries.reserve(2 * table_texels);
-  for (int i = 0; i < table_texels; ++i) {
-    const double y = static_cast<double>(table_range) * i / (table_texels - 1);
-    entries.push_back(static_cast<float>(std::exp(-y * y)));
-    entries.push_back(static_cast<float>(std::erf(y)));
-  }
-  GlTexture table = GlTexture::make();
-  glBindTexture(GL_TEXTURE_2D, table.name());
-  glTexStorage2D(GL_TEXTURE_2D, 1, GL_RG32F, table_texels, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, table_texels, 1, GL_RG, GL_FLOAT, entries.data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  glBindTexture(GL_TEXTURE_2D, 0);
-  return table;
 }
 
 void set_blend(Blend blend) {
@@ -82,7 +62,7 @@ Result<PassRunner> PassRunner::create(std::size_t batch_kernels) {
   glUseProgram(0);
   runner.frame_block_ = GlBuffer::make();
   runner.empty_vertex_array_ = GlVertexArray::make();
-  runner.table_ = make_table();
+  runner.table_ = make_gaussian_table();
   runner.timed_ = PassTimers::available();
   // What no pass changes.
   glDepthFunc(GL_GREATER);

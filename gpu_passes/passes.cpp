@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "gpu_passes/gaussian_table.h"
+
 namespace swept {
 namespace {
 

@@ -62,8 +62,4 @@ struct Pass {
 /// Those of a still frame: what is seen at open is seen all the time.
 [[nodiscard]] std::span<const Pass> still_passes();
 
-/// The lookup tables' arguments end here; √δ is 7.07 at most.
-inline constexpr float table_range = 8.0f;
-inline constexpr int table_texels = 1024;
-
 }  // namespace swept
