@@ -53,8 +53,10 @@ void append(FragmentArrays& out, std::uint32_t pixel, std::uint32_t kernel, cons
 
 }  // namespace
 
-void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index, const Octagon& octagon,
-               const RasterModel& model, const Window& window, FragmentArrays& fragments) {
+// Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
+[[gnu::flatten]] void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index,
+                                const Octagon& octagon, const RasterModel& model, const Window& window,
+                                FragmentArrays& fragments) {
   const KernelPlane<double> plane(kernel);
   const double per_pixel = 1.0 / model.projection.focal_px;
   const Row rows = rows_of(octagon, window);

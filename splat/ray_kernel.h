@@ -128,6 +128,14 @@ struct RayFragment {
   T z_begin, z_rate;  ///< camera-space depth at t_begin, and its change per unit of τ
 };
 
+/// √(a² + b²) within 2 ε, by operations that round alike everywhere; beyond their range by the library's.
+template <class T>
+[[nodiscard]] T length_of(T a, T b) {
+  constexpr T lowest = std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon();
+  const T square = a * a + b * b;
+  return square >= lowest && square <= std::numeric_limits<T>::max() ? std::sqrt(square) : std::hypot(a, b);
+}
+
 /// Tube ∩ segment ∩ in front of the near plane. Returns false if that is empty. Never a NaN and never an
 /// infinity: coordinates that are not finite, or whose fragment would not be, are a miss.
 ///
@@ -146,7 +154,7 @@ template <class T>
   const T t_mid = T(0.5) * (segment_begin + segment_end);
   T begin = segment_begin, end = segment_end;
   T position = T(0), nearest_squared;  // along the line at `begin`, from the point nearest the disc's centre
-  T speed = std::hypot(ray.du, ray.dv);
+  T speed = length_of(ray.du, ray.dv);
   // Below the normal numbers a direction has no digits left, and nothing moves. Written so that NaN, which
   // then fails the comparison of nearest_squared, does not pass for still.
   if (!(speed < std::numeric_limits<T>::min())) {
