@@ -39,6 +39,7 @@ struct Counters {
     sweep.evaluations += other.sweep.evaluations;
     sweep.hidden += other.sweep.hidden;
     sweep.revealed += other.sweep.revealed;
+    sweep.shortest += other.sweep.shortest;
   }
 };
 
@@ -174,6 +175,8 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("kernels", static_cast<double>(set.kernels.size()));
   s.count("segments", set.most_segments);
   s.count("kernels_still", static_cast<double>(set.still_kernels));
+  s.count("kernels_edge_on", static_cast<double>(set.edge_on_kernels));
+  s.count("kernels_at_near_plane", static_cast<double>(set.near_kernels));
   s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
   s.count("culled_near", static_cast<double>(set.culled_near));
   s.count("culled_outside", static_cast<double>(bins.outside()));
@@ -188,6 +191,7 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("intervals_per_swept_pixel", static_cast<double>(c.sweep.intervals) / swept);
   s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
   s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
+  s.count("intervals_at_shortest", static_cast<double>(c.sweep.shortest));
   s.count("integrals", static_cast<double>(c.sweep.evaluations));
   s.count("fragments_hidden", static_cast<double>(c.sweep.hidden));
   s.count("hidden_revealed", static_cast<double>(c.sweep.revealed));

@@ -152,6 +152,7 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, float begin, float& 
     else if (rate < 0.0f)
       wait = std::min(wait, (i < last ? above : above - tolerance) / -rate);
   }
+  if (wait < end - begin && wait < shortest_interval) ++counters_->shortest;
   wait = std::max(wait, shortest_interval);
   if (begin + wait < end) {
     end = begin + wait;
@@ -162,6 +163,7 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, float begin, float& 
 
 /// Cuts [begin, end] to a fraction, if that is not too short a piece. Returns its end.
 float SurfaceStack::shorten(float begin, float end, float fraction) {
+  if ((end - begin) * fraction < shortest_interval) ++counters_->shortest;
   const float cut = begin + std::max((end - begin) * fraction, shortest_interval);
   if (!(cut < end)) return end;
   ++counters_->subdivided;

@@ -15,6 +15,7 @@ struct SweepCounters {
   std::uint64_t intervals = 0;    ///< pieces of time resolved
   std::uint64_t crossings = 0;    ///< shortenings of a piece because a surface's members change within
   std::uint64_t subdivided = 0;   ///< and because weights or coverage change too much within
+  std::uint64_t shortest = 0;     ///< of both, those that would have had to come sooner than a piece may be
   std::uint64_t evaluations = 0;  ///< fragments integrated, summed over pieces and surfaces
   std::uint64_t hidden = 0;       ///< fragments put aside
   std::uint64_t revealed = 0;     ///< times they had to be taken back

@@ -163,6 +163,10 @@ class Builder {
         opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);
     kernel.color.w() = opacity;
     if (kernel.still()) ++out_.still_kernels;
+    const Eigen::Vector3d normal = axis_u.cross(axis_v);
+    if (std::abs(normal.dot(kernel.center)) < 1e-3 * normal.norm() * kernel.center.norm())
+      ++out_.edge_on_kernels;
+    if (std::min(c0.z(), c1.z()) - reach < out_.near) ++out_.near_kernels;
     out_.kernels.push_back(kernel);
   }
 
