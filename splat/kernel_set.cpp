@@ -70,13 +70,17 @@ void sort_by_content(std::vector<MovingKernel>& kernels) {
   kernels = std::move(sorted);
 }
 
-/// All the path of one surfel that a segment needs: centres at the ends, axes in the middle.
+/// All the path of one surfel that a segment needs: centres at the ends and in the middle, axes in the
+/// middle.
 struct Path {
   std::vector<Eigen::Vector3d> centers;                           ///< segments + 1
+  std::vector<Eigen::Vector3d> middles;                           ///< segments
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  ///< segments
 
   [[nodiscard]] bool still() const {
-    return std::all_of(centers.begin(), centers.end(), [&](const auto& c) { return c == centers.front(); }) &&
+    const auto at_start = [&](const Eigen::Vector3d& c) { return c == centers.front(); };
+    return std::all_of(centers.begin(), centers.end(), at_start) &&
+           std::all_of(middles.begin(), middles.end(), at_start) &&
            std::all_of(axes.begin(), axes.end(), [&](const auto& a) { return a == axes.front(); });
   }
 };
@@ -107,11 +111,13 @@ class Builder {
     Path path;
     for (std::size_t i = 0; i < count; ++i) {
       path.centers.clear();
+      path.middles.clear();
       path.axes.clear();
       for (const Instant& end : ends)
         path.centers.push_back(end.to_camera(surfel_at(object.cloud, i, end.frame).position));
       for (const Instant& middle : middles) {
         const SurfelInstant surfel = surfel_at(object.cloud, i, middle.frame);
+        path.middles.push_back(middle.to_camera(surfel.position));
         path.axes.emplace_back(middle.to_camera_direction(surfel.axis_u),
                                middle.to_camera_direction(surfel.axis_v));
       }
@@ -130,7 +136,9 @@ class Builder {
     const auto& [axis_u, axis_v] = path.axes[s];
     MovingKernel kernel;
     kernel.velocity = (c1 - c0) * pieces;
-    kernel.center = c0 + 0.5 * (c1 - c0);
+    // As far as the mean of the path lies from that of its chord, by Simpson's rule.
+    const Eigen::Vector3d chord = c0 + 0.5 * (c1 - c0);
+    kernel.center = chord + (2.0 / 3.0) * (path.middles[s] - chord);
     kernel.t_begin = static_cast<float>(static_cast<double>(s) / pieces);
     kernel.t_end = static_cast<float>(static_cast<double>(s + 1) / pieces);
 

@@ -28,8 +28,10 @@ struct KernelSet {
 };
 
 /// Cuts every surfel's path through camera space over the shutter into linear_segments(); one where nothing
-/// moves. A segment runs between the exact centres at its two ends; axes, normal and pixel filter are those
-/// of its middle. `scene` must satisfy validate().
+/// moves. A segment has the mean velocity of its stretch of the path and, by Simpson's rule, its mean
+/// position: to first order a blurred image sees nothing else of it, and the chord between the path's ends
+/// misses the second. Axes, normal and pixel filter are those of its middle. `scene` must satisfy
+/// validate().
 [[nodiscard]] KernelSet build_kernels(const Scene& scene);
 
 }  // namespace swept

@@ -13,10 +13,10 @@ inline constexpr int max_chosen_segments = 64;
 [[nodiscard]] bool nothing_moves(const Scene& scene);
 
 /// How many linear segments build_kernels() cuts the paths of `object` into over the shutter:
-/// Object::segments, else ImageModel::segments, else as many as keep every point within 0.1 px of its true
-/// path on the film and the discs' rims within 0.25 px on average, up to max_chosen_segments. That is judged
-/// by a sample of about a thousand points, which depends on the points and not on their order. 1 where
-/// nothing moves. `scene` must satisfy validate().
+/// Object::segments, else ImageModel::segments, else as many as keep the chords of every point's true path
+/// within 0.1 px of it on the film (and so segments within 0.07 px) and the discs' rims within 0.25 px on
+/// average, up to max_chosen_segments. That is judged by a sample of about a thousand points, which depends
+/// on the points and not on their order. 1 where nothing moves. `scene` must satisfy validate().
 [[nodiscard]] int linear_segments(const Scene& scene, const Object& object);
 
 }  // namespace swept

@@ -1,9 +1,12 @@
 #include "splat/segments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "splat/kernel_set.h"
 
 namespace swept {
 namespace {
@@ -69,6 +72,22 @@ TEST(Segments, FollowTheSceneWhereItSaysHowMany) {
   EXPECT_EQ(linear_segments(scene, scene.objects[0]), 3);
   scene.objects[0].segments = 5;
   EXPECT_EQ(linear_segments(scene, scene.objects[0]), 5);
+}
+
+TEST(Segments, HaveTheMeanPositionOfTheirStretchOfThePath) {
+  Scene scene = ring(2.0, 90.0);
+  scene.model.segments = 3;
+  const KernelSet set = build_kernels(scene);
+  ASSERT_EQ(set.kernels.size(), 15000u);
+  // The mean of an arc's points: R sin(φ/2) / (φ/2) from the centre. Simpson's rule errs by R (φ/2)⁴/180.
+  const double half = std::numbers::pi / 12.0, radius = 2.0 * std::sin(half) / half;
+  const double simpson = 2.0 * std::pow(half, 4) / 180.0;
+  for (const MovingKernel& kernel : set.kernels) {
+    ASSERT_NEAR(kernel.center.head<2>().norm(), radius, 1.05 * simpson);
+    ASSERT_NEAR(kernel.velocity.norm(), 3.0 * 4.0 * std::sin(half), 1e-9);
+  }
+  // The chord's own middle is a hundred times as far off.
+  ASSERT_GT(std::abs(2.0 * std::cos(half) - radius), 100.0 * simpson);
 }
 
 TEST(Segments, DoNotDependOnTheOrderOfThePoints) {
