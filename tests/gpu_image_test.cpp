@@ -241,6 +241,26 @@ TEST(Subframes, AreChosenFromTheMotion) {
   EXPECT_EQ(chosen(six(0)), 256);
 }
 
+TEST(Subframes, StillFramesStandAtTheMiddleOfTheirs) {
+  Scene scene = spheres();
+  scene.objects.pop_back();
+  TransformKey key;
+  scene.objects[0].transform.keys.push_back(key);
+  key.frame = 1.0;
+  key.translate.x() = 1.0;
+  scene.objects[0].transform.keys.push_back(key);
+  Subframes subframes(scene, still(4));
+  ASSERT_EQ(subframes.count(), 4);
+  for (int j = 0; j < 4; ++j) {
+    const KernelSet set = subframes.kernels(j);
+    EXPECT_EQ(set.still_kernels, set.kernels.size());
+    double sum = 0.0;
+    for (const MovingKernel& kernel : set.kernels) sum += kernel.center.x();
+    // Points lie evenly around the ball's middle: within a thousandth of their spacing.
+    EXPECT_NEAR(sum / static_cast<double>(set.kernels.size()), (j + 0.5) / 4.0, 1e-3) << j;
+  }
+}
+
 TEST_F(GpuImage, LookupTablesChangeLittle) {
   const Scene scene = spheres();
   const Image computed = render(scene, six(1));
