@@ -93,14 +93,19 @@ double Runner::seconds_left() const {
 
 void Runner::report(const Task& task, const Cell& cell) {
   const StudyMethod* method = find_study_method(cell.setting.method);
-  const std::string name = method != nullptr ? fmt::format("{} {}", method->name, setting_text(cell.setting))
+  const std::string number = setting_text(cell.setting);
+  const std::string name = method != nullptr ? method->name + (number.empty() ? "" : ", " + number)
                                              : fmt::format("reference, {} stills", cell.setting.value);
   std::string what =
       cell.error.empty() ? fmt::format("{:.3g} s", cell.seconds.back()) : "FAILED: " + cell.error;
   if (cell.error.empty() && cell.accuracy) what += fmt::format(", {:.1f} dB", cell.accuracy->psnr_db);
   const double gone = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  fmt::print(stderr, "{}/{}  {}: {}: {}  ({} gone, about {} left)\n", renders_, std::max(renders_, planned_),
-             task.variant.id, name, what, clock_text(gone), clock_text(seconds_left()));
+  // What searches for equal quality need is not known beforehand.
+  const bool known = renders_ <= planned_;
+  const std::string place = known ? fmt::format("{}/{}", renders_, planned_) : std::to_string(renders_);
+  const std::string left = known ? fmt::format(", about {} left", clock_text(seconds_left())) : "";
+  fmt::print(stderr, "{}  {}: {}: {}  ({} gone{})\n", place, task.variant.id, name, what, clock_text(gone),
+             left);
 }
 
 /// One more repeat; the first one that is measured writes the image.
