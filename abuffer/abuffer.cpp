@@ -8,10 +8,10 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "abuffer/bins.h"
+#include "abuffer/parallel.h"
 #include "abuffer/still.h"
 #include "abuffer/sweep.h"
 #include "splat/kernel_set.h"
@@ -219,7 +219,7 @@ Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
   arena.execute([&] {
     tbb::enumerable_thread_specific<TileRenderer> renderers(
         [&] { return TileRenderer(scene, set, shades, options, out.image); });
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
+    parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
       TileRenderer& renderer = renderers.local();
       for (std::size_t tile = range.begin(); tile != range.end(); ++tile)
         renderer.render(bins.window(tile), bins.kernels(tile));

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
+
+#include "abuffer/parallel.h"
 
 namespace swept::reference {
 namespace {
@@ -156,8 +157,7 @@ void FrameSum::add(const KernelSet& set, double tau) {
   place_all(set, tau);
   bin_by_band();
   std::vector<Counts> counts(band_count());
-  tbb::parallel_for(std::size_t{0}, counts.size(),
-                    [&](std::size_t band) { counts[band] = render_band(set, band); });
+  parallel_for_each_index(counts.size(), [&](std::size_t band) { counts[band] = render_band(set, band); });
   for (const Counts& count : counts) {
     fragments_ += count.fragments;
     surfaces_ += count.surfaces;
@@ -188,7 +188,7 @@ Image FrameSum::mean() const {
 
 void FrameSum::place_all(const KernelSet& set, double tau) {
   discs_.resize(set.kernels.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, discs_.size()), [&](const auto& range) {
+  parallel_for_parts(tbb::blocked_range<std::size_t>(0, discs_.size()), [&](const auto& range) {
     for (std::size_t k = range.begin(); k != range.end(); ++k) {
       discs_[k] = place(set.kernels[k], tau, set.projection, set.near, window_);
     }

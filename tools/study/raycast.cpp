@@ -10,9 +10,9 @@
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "abuffer/parallel.h"
 #include "abuffer/still.h"
 #include "splat/kernel_set.h"
 #include "splat/stopwatch.h"
@@ -141,7 +141,7 @@ Result<Rendered> render_checked(const Scene& scene, RaycastOptions options) {
         [&] { return std::make_unique<Tracer>(scene, set, shades, *volumes, options, out.image); });
     const tbb::blocked_range2d<int> film(image.y, image.y + image.height, kTile, image.x,
                                          image.x + image.width, kTile);
-    tbb::parallel_for(film, [&](const auto& part) {
+    parallel_for_parts(film, [&](const auto& part) {
       Tracer& tracer = *tracers.local();
       for (int y = part.rows().begin(); y != part.rows().end(); ++y)
         for (int x = part.cols().begin(); x != part.cols().end(); ++x) tracer.trace(x, y);

@@ -1,0 +1,88 @@
+// Loops shared out to threads. For the project's own sources.
+//
+// By oneTBB; but under ThreadSanitizer by plain threads, which divide a range as oneTBB would. The library is not
+// compiled with it and orders its threads by means that it does not see: every loop would be reported, whatever
+// it does. It is our loops that are checked, and so no report needs to be suppressed.
+#pragma once
+
+#include <cstddef>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define SWEPT_TSAN
+#endif
+#endif
+#if defined(__SANITIZE_THREAD__)
+#define SWEPT_TSAN
+#endif
+
+#ifdef SWEPT_TSAN
+#include <atomic>
+#include <exception>
+#include <thread>
+#include <vector>
+
+#include <tbb/task_arena.h>
+#endif
+
+namespace swept {
+
+#ifdef SWEPT_TSAN
+
+/// Calls `body(part)` for parts of a range of oneTBB's, in any order, on as many threads as the arena has.
+/// What it throws, one of it if several do, is thrown on.
+template <class Range, class Body>
+void parallel_for_parts(const Range& range, const Body& body) {
+  const auto count = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<Range> parts;
+  if (!range.empty()) parts.push_back(range);
+  // Several parts a thread, so that they meet in many orders.
+  for (bool divided = true; divided && parts.size() < 8 * count;) {
+    divided = false;
+    for (std::size_t i = 0, size = parts.size(); i < size; ++i) {
+      if (!parts[i].is_divisible()) continue;
+      Range right(parts[i], tbb::split());
+      parts.push_back(right);
+      divided = true;
+    }
+  }
+
+  std::atomic<std::size_t> next{0};
+  std::vector<std::exception_ptr> thrown(count);
+  const auto work = [&](std::size_t thread) {
+    try {
+      for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < parts.size();) body(parts[i]);
+    } catch (...) {
+      thrown[thread] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t thread = 1; thread < count; ++thread) threads.emplace_back(work, thread);
+    work(0);
+  }
+  for (const std::exception_ptr& exception : thrown)
+    if (exception) std::rethrow_exception(exception);
+}
+
+#else
+
+template <class Range, class Body>
+void parallel_for_parts(const Range& range, const Body& body) {
+  tbb::parallel_for(range, body);
+}
+
+#endif
+
+/// Calls `body(index)` for every index of [0, count), likewise.
+template <class Body>
+void parallel_for_each_index(std::size_t count, const Body& body) {
+  parallel_for_parts(tbb::blocked_range<std::size_t>(0, count), [&](const auto& part) {
+    for (std::size_t index = part.begin(); index != part.end(); ++index) body(index);
+  });
+}
+
+}  // namespace swept
