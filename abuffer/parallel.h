@@ -1,8 +1,8 @@
 // Loops shared out to threads. For the project's own sources.
 //
-// By oneTBB; but under ThreadSanitizer by plain threads, which divide a range as oneTBB would. The library is not
-// compiled with it and orders its threads by means that it does not see: every loop would be reported, whatever
-// it does. It is our loops that are checked, and so no report needs to be suppressed.
+// By oneTBB; but under ThreadSanitizer by plain threads, which divide a range as oneTBB would. The library is
+// not compiled with it and orders its threads by means that it does not see: every loop would be reported,
+// whatever it does. It is our loops that are checked, and so no report needs to be suppressed.
 #pragma once
 
 #include <cstddef>
