@@ -32,6 +32,9 @@ namespace swept {
 
 #ifdef SWEPT_TSAN
 
+/// Whether ThreadSanitizer watches. Libraries that are not compiled with it must not start threads then.
+inline constexpr bool thread_sanitizer = true;
+
 /// Calls `body(part)` for parts of a range of oneTBB's, in any order, on as many threads as the arena has.
 /// What it throws, one of it if several do, is thrown on.
 template <class Range, class Body>
@@ -69,6 +72,8 @@ void parallel_for_parts(const Range& range, const Body& body) {
 }
 
 #else
+
+inline constexpr bool thread_sanitizer = false;
 
 template <class Range, class Body>
 void parallel_for_parts(const Range& range, const Body& body) {

@@ -15,6 +15,7 @@
 
 #include <embree3/rtcore.h>
 
+#include "abuffer/parallel.h"
 #include "splat/ray_kernel.h"
 
 namespace swept {
@@ -197,6 +198,8 @@ Result<DiscVolumes> DiscVolumes::build(const KernelSet& set, const ImageModel& m
     if (!(largest_coordinate(kernel) <= kFarthest))
       return Error{"", "", "a disc is farther than 10^18 units, where Embree sees nothing"};
   }
+  // Embree's threads fill its trees by oneTBB, unseen; they end here, and rays are cast by ours.
+  if (thread_sanitizer) threads = 1;
   const std::string settings = threads > 0 ? "threads=" + std::to_string(threads) : "";
   auto parts = std::unique_ptr<Parts>(
       new Parts{RayModel(set, model), grouped(set), Device(rtcNewDevice(settings.c_str())), {}});
