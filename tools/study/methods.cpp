@@ -80,7 +80,7 @@ const std::vector<StudyMethod>& study_methods() {
        "still",
        "stills",
        {4, 8, 16, 32, 64, 128},
-       {4, 16, 64},
+       {4, 16},
        true},
       {"cpu-still",
        "Still frames averaged, CPU",

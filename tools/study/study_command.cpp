@@ -129,7 +129,7 @@ void complete(StudyArguments& arguments) {
   if (options.runner.reference_samples % 2 != 0)
     throw CLI::ValidationError("--reference-samples", "must be even");
   if (options.quick && !arguments.repeats_given) options.runner.repeats = 2;
-  if (options.quick && !arguments.samples_given) options.runner.reference_samples = 256;
+  if (options.quick && !arguments.samples_given) options.runner.reference_samples = 192;
 }
 
 int study(StudyArguments& arguments) {
@@ -171,7 +171,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("FOLDER");
   command->add_flag("--quick", options.quick,
-                    "Two minutes: small films, a tenth of the points, few settings");
+                    "Some two minutes: small films, a tenth of the points, few settings");
   command->add_option("--parts", arguments->parts, "Only these: scenes, motion, points, table1")
       ->delimiter(',')
       ->check(CLI::IsMember({"scenes", "motion", "points", "table1"}));
@@ -183,7 +183,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
           ->check(CLI::Range(1, 1000));
   const auto* samples = command
                             ->add_option("--reference-samples", options.runner.reference_samples,
-                                         "Still images of the reference, even [1024; quick: 256]")
+                                         "Still images of the reference, even [1024; quick: 192]")
                             ->check(CLI::Range(2, 1 << 20));
   command
       ->add_option_function<std::vector<int>>(
