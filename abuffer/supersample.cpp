@@ -13,12 +13,6 @@
 namespace swept {
 namespace {
 
-double counter(const Statistics& statistics, const char* name) {
-  for (const auto& [key, value] : statistics.counters)
-    if (key == name) return value;
-  return 0.0;
-}
-
 /// Adds still images up in double, before there is a background.
 class StillSum {
  public:
@@ -65,7 +59,7 @@ Result<Rendered> render_checked(const Scene& scene, const SupersampleOptions& op
     Result<Rendered> rendered = render_abuffer(instant, still);
     if (!rendered) return rendered.error();
     sum.add(rendered->image);
-    fragments += counter(rendered->statistics, "fragments");
+    fragments += rendered->statistics.counter("fragments").value_or(0.0);
     image = std::move(rendered->image);
   }
   sum.mean(instants, scene.background.cast<double>(), image);

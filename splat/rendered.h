@@ -1,7 +1,9 @@
 // What a renderer hands back: the picture, and what it took to make it.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,13 @@ struct Statistics {
   void count(std::string name, double value) { counters.emplace_back(std::move(name), value); }
   void time(std::string stage, double wall_seconds) { seconds.emplace_back(std::move(stage), wall_seconds); }
   void effect(std::string what) { effects.push_back(std::move(what)); }
+
+  /// Nothing if the render does not count that.
+  [[nodiscard]] std::optional<double> counter(std::string_view name) const {
+    for (const auto& [key, value] : counters)
+      if (key == name) return value;
+    return std::nullopt;
+  }
 };
 
 struct Rendered {

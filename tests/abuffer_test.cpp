@@ -10,11 +10,13 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/reference.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
+using test::counter;
 
 class Random {
  public:
@@ -126,13 +128,6 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
 }
 bool same_bits(const Image& a, const Image& b) {
   return same_bits(a.rgba, b.rgba) && same_bits(a.depth, b.depth);
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 double rmse(const Image& a, const Image& b) {

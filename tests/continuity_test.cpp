@@ -16,6 +16,7 @@
 #include "abuffer/members.h"
 #include "splat/ray_kernel.h"
 #include "splat/segments.h"
+#include "tests/counter.h"
 #include "tests/oracle/hard_scenes.h"
 #include "tests/oracle/oracle.h"
 
@@ -209,10 +210,7 @@ TEST(Continuity, OfTheImageInSpeed) {
 
 double counter(const Scene& scene, const std::string& counted) {
   const auto rendered = render_abuffer(scene, {.threads = 1});
-  for (const auto& [name, value] : rendered->statistics.counters)
-    if (name == counted) return value;
-  ADD_FAILURE() << "no counter " << counted;
-  return -1.0;
+  return test::counter(*rendered, counted);
 }
 
 /// Where a piece is cut once more, or a fragment comes or goes.

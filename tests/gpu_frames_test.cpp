@@ -5,18 +5,13 @@
 #include <vector>
 
 #include "gl_calls.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
+using test::counter;
 using test::Replaced;
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
-}
 
 std::vector<double> pass_seconds(const Rendered& rendered) {
   std::vector<double> seconds;

@@ -9,23 +9,19 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference.h"
+#include "tests/counter.h"
 #include "tests/oracle/hard_scenes.h"
 
 namespace swept {
 namespace {
+
+using test::counter;
 
 const oracle::HardScene& scene_named(const std::string& name) {
   for (const oracle::HardScene& hard : oracle::hard_scenes())
     if (hard.name == name) return hard;
   ADD_FAILURE() << "no scene " << name;
   return oracle::hard_scenes().front();
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 class HardSceneTest : public testing::TestWithParam<oracle::HardScene> {};

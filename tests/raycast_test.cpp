@@ -9,11 +9,13 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/abuffer.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
+using test::counter;
 
 class Random {
  public:
@@ -132,13 +134,6 @@ Image exact(const Scene& scene) {
   Result<Rendered> rendered = render_abuffer(scene);
   EXPECT_TRUE(rendered.ok()) << rendered.error().message();
   return std::move(rendered).value().image;
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 /// Of RGBA: root of the mean square, and mean.

@@ -10,11 +10,13 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/reference.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
+using test::counter;
 
 /// A sphere of discs, 96 × 64 px, that does not move yet.
 Scene sphere() {
@@ -57,14 +59,6 @@ Rendered render(const Scene& scene, ReferenceMotion motion, int samples = 32) {
   auto rendered = render_reference(scene, {samples, 0, motion});
   EXPECT_TRUE(rendered.ok()) << rendered.error().message();
   return std::move(rendered).value();
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters) {
-    if (key == name) return value;
-  }
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 double rmse(const Image& a, const Image& b) {

@@ -12,12 +12,14 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/reference_frame.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector4d;
+using test::counter;
 
 // Values are at most 1 and end as floats, which rounds by 2⁻²⁵; so do the colours and axes they are computed
 // from. Four such errors cover every sum below.
@@ -66,14 +68,6 @@ Vector4d pixel(const Image& image, int x, int y) {
 
 float depth_at(const Image& image, int x, int y) {
   return image.depth[static_cast<std::size_t>(y - image.y) * image.width + (x - image.x)];
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters) {
-    if (key == name) return value;
-  }
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {

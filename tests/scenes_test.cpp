@@ -10,16 +10,12 @@
 #include "abuffer/reference.h"
 #include "datasets/generators.h"
 #include "splat/io/scene_file.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
 
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
-}
+using test::counter;
 
 /// Twice what rare branches were when this was written, and nothing where there was nothing. Shares of
 /// kernels, of intervals and of fragments.

@@ -8,9 +8,12 @@
 #include "abuffer/abuffer.h"
 #include "abuffer/reference.h"
 #include "datasets/generators.h"
+#include "tests/counter.h"
 
 namespace swept {
 namespace {
+
+using test::counter;
 
 /// A ball that turns half round and crosses a third of the film while the shutter is open.
 Scene turning_ball() {
@@ -30,13 +33,6 @@ Scene turning_ball() {
   object.transform.keys[1].translate = {0.7, 0.2, 0.5};
   object.transform.keys[1].rotate_radians = 2.0;
   return scene;
-}
-
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  ADD_FAILURE() << "no counter " << name;
-  return 0.0;
 }
 
 double largest_difference(const Image& a, const Image& b) {

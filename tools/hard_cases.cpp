@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <limits>
 #include <string>
 
 #include <fmt/core.h>
@@ -46,12 +45,6 @@ std::string decibels(double rmse) {
   return rmse > 0.0 ? fmt::format("{:.1f}", -20.0 * std::log10(rmse)) : "identical";
 }
 
-double counter(const Rendered& rendered, const std::string& name) {
-  for (const auto& [key, value] : rendered.statistics.counters)
-    if (key == name) return value;
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 int run(const std::string& folder, const std::string& only, double samples_scale) {
   std::filesystem::create_directories(folder);
   std::string table =
@@ -74,7 +67,7 @@ int run(const std::string& folder, const std::string& only, double samples_scale
       continue;
     }
     const auto metrics = compare_images(rendered->image, reference->image);
-    const double own = counter(*reference, "reference_error_rmse");
+    const double own = reference->statistics.counter("reference_error_rmse").value_or(std::nan(""));
     if (!metrics || !(metrics->rmse <= std::pow(10.0, -hard.required_db / 20.0)) ||
         metrics->nonfinite_a > 0) {
       fmt::print(stderr, "swept_hard_cases: {}: further from the reference than required\n", hard.name);
@@ -95,7 +88,8 @@ int run(const std::string& folder, const std::string& only, double samples_scale
     table +=
         fmt::format("| `{}` | {} | {} | {:g} | {} | {:.1e} | {:g} | {:g} |\n", hard.name, options.samples,
                     decibels(metrics->rmse), hard.required_db, decibels(own), metrics->max_abs,
-                    counter(*rendered, "fragments_in_fullest_pixel"), counter(*rendered, "intervals"));
+                    rendered->statistics.counter("fragments_in_fullest_pixel").value_or(std::nan("")),
+                    rendered->statistics.counter("intervals").value_or(std::nan("")));
     pictures += fmt::format("\n`{}`: {}. Difference times {:g}.\n\n![{}]({})\n", hard.name, hard.shows,
                             factor, hard.name, file);
   }

@@ -109,16 +109,11 @@ Scene for_warming_up(const Scene& scene) {
 WorkDone summary_of(const Statistics& statistics, double seconds) {
   WorkDone done;
   done.seconds = seconds;
-  const auto counter = [&](const std::string& name) -> std::optional<double> {
-    for (const auto& [key, value] : statistics.counters)
-      if (key == name) return value;
-    return std::nullopt;
-  };
-  done.fragments = counter("fragments");
-  done.events = counter("intervals");
-  done.rays = counter("rays");
-  done.error_rmse = counter("reference_error_rmse");
-  done.error_psnr_db = counter("reference_error_psnr_db");
+  done.fragments = statistics.counter("fragments");
+  done.events = statistics.counter("intervals");
+  done.rays = statistics.counter("rays");
+  done.error_rmse = statistics.counter("reference_error_rmse");
+  done.error_psnr_db = statistics.counter("reference_error_psnr_db");
   const std::string device = "device: ";
   for (const std::string& effect : statistics.effects)
     if (effect.starts_with(device)) done.device = effect.substr(device.size());
