@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <new>
 #include <span>
 
 #include <tbb/blocked_range.h>
@@ -12,6 +11,7 @@
 
 #include "abuffer/bins.h"
 #include "abuffer/parallel.h"
+#include "abuffer/render_valid.h"
 #include "abuffer/still.h"
 #include "abuffer/sweep.h"
 #include "splat/kernel_set.h"
@@ -199,7 +199,7 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
                               : "motion blur: skipped, nothing moves during the exposure");
 }
 
-Rendered render_checked(const Scene& scene, const AbufferOptions& options) {
+Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options) {
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -243,13 +243,7 @@ Status AbufferOptions::validate() const {
 }
 
 Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  try {
-    return render_checked(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
-  }
+  return render_valid(scene, options, render_checked);
 }
 
 }  // namespace swept

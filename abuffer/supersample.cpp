@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <new>
 #include <utility>
 #include <vector>
 
 #include "abuffer/abuffer.h"
+#include "abuffer/render_valid.h"
 #include "splat/segments.h"
 #include "splat/stopwatch.h"
 
@@ -29,8 +29,8 @@ class StillSum {
   void mean(int count, const Eigen::Vector4d& background, Image& image) const {
     for (std::size_t i = 0; i < depth_.size(); ++i) {
       const double alpha = rgba_[4 * i + 3];
-      image.depth[i] = alpha > 0.0 ? static_cast<float>(depth_[i] / alpha)
-                                   : std::numeric_limits<float>::infinity();
+      image.depth[i] =
+          alpha > 0.0 ? static_cast<float>(depth_[i] / alpha) : std::numeric_limits<float>::infinity();
       const double left = std::max(0.0, 1.0 - alpha / count);
       for (std::size_t c = 0; c < 4; ++c)
         image.rgba[4 * i + c] = static_cast<float>(rgba_[4 * i + c] / count + left * background[c]);
@@ -83,13 +83,7 @@ Status SupersampleOptions::validate() const {
 }
 
 Result<Rendered> render_supersampled(const Scene& scene, const SupersampleOptions& options) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  try {
-    return render_checked(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
-  }
+  return render_valid(scene, options, render_checked);
 }
 
 }  // namespace swept

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <new>
 #include <vector>
 
 #include <tbb/blocked_range2d.h>
@@ -13,6 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
+#include "abuffer/render_valid.h"
 #include "abuffer/still.h"
 #include "splat/kernel_set.h"
 #include "splat/stopwatch.h"
@@ -118,7 +118,8 @@ class Tracer {
   std::vector<std::uint32_t> indices_;
 };
 
-Result<Rendered> render_checked(const Scene& scene, RaycastOptions options) {
+Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given) {
+  RaycastOptions options = given;
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -161,13 +162,7 @@ Result<Rendered> render_checked(const Scene& scene, RaycastOptions options) {
 bool raycast_available() { return true; }
 
 Result<Rendered> render_raycast(const Scene& scene, const RaycastOptions& options) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  try {
-    return render_checked(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
-  }
+  return render_valid(scene, options, render_checked);
 }
 
 }  // namespace swept
