@@ -20,13 +20,6 @@ using oracle::Random;
 using oracle::uniform;
 
 template <class T>
-constexpr const char* type_name = sizeof(T) == 4 ? "float" : "double";
-template <class T>
-constexpr double unit_roundoff = std::numeric_limits<T>::epsilon() / 2;
-
-constexpr const char* case_range = "model section 10, 1000 px of focal length";
-
-template <class T>
 double integral_of(const RayFragment<T>& f) {
   const T duration = f.t_end - f.t_begin;
   return interval_integral(f.peak, duration, f.y_begin, f.y_begin + f.rate * duration);

@@ -81,9 +81,6 @@ std::string branch_name(T a, T b) {
   return "";
 }
 
-template <class T>
-constexpr const char* type_name = sizeof(T) == 4 ? "float" : "double";
-
 oracle::Exact fifty(double a, double b) { return oracle::mean_gaussian(a, b, oracle::Digits::fifty); }
 oracle::Exact quad(double a, double b) { return oracle::mean_gaussian(a, b, oracle::Digits::quad); }
 

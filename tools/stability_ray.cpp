@@ -20,13 +20,6 @@ using oracle::Random;
 using oracle::uniform;
 
 template <class T>
-constexpr const char* type_name = sizeof(T) == 4 ? "float" : "double";
-template <class T>
-constexpr double unit_roundoff = std::numeric_limits<T>::epsilon() / 2;
-
-constexpr const char* case_range = "model section 10, 1000 px of focal length";
-
-template <class T>
 std::vector<Row> coordinate_rows(const oracle::HardCase& hard, std::size_t points, std::uint64_t seed) {
   Random random(seed);
   OracleCheck check;

@@ -5,11 +5,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "tools/stability_table.h"
 
 namespace swept::stability {
+
+template <class T>
+inline constexpr const char* type_name = sizeof(T) == 4 ? "float" : "double";
+template <class T>
+inline constexpr double unit_roundoff = std::numeric_limits<T>::epsilon() / 2;
+
+inline constexpr const char* case_range = "model section 10, 1000 px of focal length";
 
 using Job = std::function<std::vector<Row>()>;
 
