@@ -7,16 +7,15 @@
 
 #include <Eigen/Core>
 
+#include "splat/srgb.h"
+
 namespace swept::datasets {
 
 inline constexpr double kPi = std::numbers::pi;
 
 /// Linear Rec.709 of an sRGB colour written 0xRRGGBB, as one picks them by eye.
 [[nodiscard]] inline Eigen::Vector3d srgb(unsigned hex) {
-  const auto linear = [](unsigned byte) {
-    const double s = byte / 255.0;
-    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  };
+  const auto linear = [](unsigned byte) { return srgb_to_linear(byte / 255.0); };
   return {linear((hex >> 16) & 255u), linear((hex >> 8) & 255u), linear(hex & 255u)};
 }
 

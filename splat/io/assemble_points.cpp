@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/io/attributes.h"
+#include "splat/srgb.h"
 
 namespace swept {
 namespace {
@@ -14,10 +15,8 @@ using Values = std::vector<std::vector<double>>;
 
 constexpr double kHarmonic0 = 0.28209479177387814;  // 1 / (2√π), the constant spherical harmonic
 
-/// The sRGB transfer curve of IEC 61966-2-1 undone, carried on above 1. Up to largest_srgb the result is in
-/// the range of float: 10^(16 · 2.4) / 1.055^2.4 = 2.2e38.
+/// Up to this, linear values are in the range of float: 10^(16 · 2.4) / 1.055^2.4 = 2.2e38.
 constexpr double largest_srgb = 1e16;
-double srgb_to_linear(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
 float linear_color(double stored, const Column& column) {
   if (column.full_scale == 0.0) return static_cast<float>(stored);

@@ -8,7 +8,7 @@ set(swept_package ${CMAKE_INSTALL_LIBDIR}/cmake/swept)
 # Public headers. Those of splat/ are, but for what its own sources share; of io and abuffer only these.
 install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
         FILES_MATCHING PATTERN "*.h" PATTERN "io" EXCLUDE PATTERN "instant.h" EXCLUDE
-        PATTERN "stopwatch.h" EXCLUDE)
+        PATTERN "srgb.h" EXCLUDE PATTERN "stopwatch.h" EXCLUDE)
 foreach(header atomic_file cloud_source image_file point_file scene_file sequence surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()

@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/srgb.h"
+
 namespace swept {
-namespace {
-
-double linear_of(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
-}  // namespace
-
 const std::vector<std::array<int, 3>>& difference_colors() {
   static const std::vector<std::array<int, 3>> colors = {
       {0, 0, 0},     {28, 12, 60},   {75, 15, 107}, {120, 28, 109}, {165, 44, 96},
@@ -34,7 +28,7 @@ Image difference_map(const Image& a, const Image& b) {
     for (std::size_t c = 0; c < 3; ++c) {
       const double mix =
           std::lerp(colors[below][c], colors[below + 1][c], place - static_cast<double>(below));
-      map.rgba[4 * i + c] = static_cast<float>(linear_of(mix / 255.0));
+      map.rgba[4 * i + c] = static_cast<float>(srgb_to_linear(mix / 255.0));
     }
     map.rgba[4 * i + 3] = 1.0f;
   }
