@@ -48,56 +48,49 @@ const std::vector<StudyMethod>& study_methods() {
        "",
        "",
        {0},
-       {0},
-       false},
+       {0}},
       {"abuffer-segments",
        "A-buffer, segments given",
        "The same with the motion cut into this many linear segments, whatever that costs in accuracy.",
        "segment",
        "segments",
        {1, 2, 4, 8, 16, 32},
-       {1, 4, 16},
-       false},
+       {1, 4, 16}},
       {"abuffer-pixel",
        "A-buffer, normalised per pixel",
        "The same with one normalisation for the whole exposure of a pixel, as in Heinzle et al. 2010.",
        "",
        "",
        {0},
-       {0},
-       false},
+       {0}},
       {"gpu",
        "Six GPU passes",
        "Heinzle et al. 2010, section 5, with the exposure in this many sub-frames.",
        "sub-frame",
        "sub-frames",
        {1, 2, 4, 8, 16, 32},
-       {1, 4, 16},
-       true},
+       {1, 4, 16}},
       {"gpu-still",
        "Still frames averaged, GPU",
        "Temporal supersampling with the same shaders in the same context.",
        "still",
        "stills",
        {4, 8, 16, 32, 64, 128},
-       {4, 16},
-       true},
+       {4, 16}},
       {"cpu-still",
        "Still frames averaged, CPU",
        "Temporal supersampling with the A-buffer's own fast path for what does not move.",
        "still",
        "stills",
        {4, 8, 16, 32, 64, 128},
-       {4, 16, 64},
-       false},
+       {4, 16, 64}},
       {"raycast",
        "Stochastic ray casting",
        "Rays at random times within strata of the exposure, through the same discs, by Embree.",
        "sample per pixel",
        "samples per pixel",
        {4, 16, 64, 256},
-       {4, 16},
-       true}};
+       {4, 16}}};
   return methods;
 }
 
@@ -145,7 +138,6 @@ Result<Renderer> renderer_of(const Setting& setting, const MethodOptions& option
     return Renderer([=](const Scene& scene) { return render_supersampled(scene, stills); });
   }
   if (setting.method == "raycast") {
-    if (!raycast_available()) return Error{"", "raycast", "this build has no Embree"};
     RaycastOptions rays;
     rays.samples = value;
     rays.threads = options.threads;

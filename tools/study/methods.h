@@ -24,7 +24,6 @@ struct StudyMethod {
   std::string description;        ///< a sentence
   std::string unit, unit_plural;  ///< of the setting; empty: there is none
   std::vector<int> values, quick_values;
-  bool can_be_missing = false;  ///< depends on the build or the machine
 };
 
 /// In the order in which they are shown.

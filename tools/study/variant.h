@@ -17,8 +17,6 @@ struct Variant {
   std::array<int, 2> size = {0, 0};  ///< of the film, px; 0: as the file says
   double points_scale = 1.0;         ///< of generated objects
   double exposure_scale = 1.0;       ///< of the shutter's open time, about its middle
-
-  friend bool operator==(const Variant&, const Variant&) = default;
 };
 
 /// Reads the scene file with what the variant changes in it.
