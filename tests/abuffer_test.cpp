@@ -11,77 +11,19 @@
 
 #include "abuffer/reference.h"
 #include "tests/counter.h"
+#include "tests/small_scenes.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
+using test::add_disc;
+using test::busy_scene;
+using test::checkered_sphere;
 using test::counter;
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// 64 × 48 px; the shutter is open from frame 0 to 1. The eye looks along −z of the world from z = 5.
-Scene stage() {
-  Scene scene;
-  scene.film = {64, 48, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats.emplace_back();
-  return scene;
-}
-
-void add_point(Object& object, const Vector3d& position, const Vector3d& normal, double radius,
-               const Eigen::Vector3f& color) {
-  const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
-  SurfelPose& pose = object.cloud.keys.front().pose;
-  pose.position.push_back(position);
-  pose.axis_u.push_back((radius * u).cast<float>());
-  pose.axis_v.push_back((radius * v).cast<float>());
-  object.cloud.color.push_back(color);
-}
-
-Object checkered_sphere(double radius, int points) {
-  Object object;
-  object.name = "sphere";
-  object.cloud.keys.resize(1);
-  for (int i = 0; i < points; ++i) {
-    const double z = 1.0 - 2.0 * (i + 0.5) / points, angle = i * 2.399963229728653;
-    const Vector3d n(std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z);
-    const bool odd = (static_cast<int>((n.x() + 1.0) * 4.0) + static_cast<int>((n.y() + 1.0) * 4.0)) % 2 != 0;
-    add_point(object, radius * n, n, radius * std::sqrt(4.0 * M_PI / points),
-              odd ? Eigen::Vector3f(0.9f, 0.2f, 0.1f) : Eigen::Vector3f(0.1f, 0.3f, 0.9f));
-  }
-  return object;
-}
-
-void move(Object& object, const Vector3d& from, const Vector3d& to, double radians = 0.0) {
-  TransformKey open, close;
-  close.frame = 1.0;
-  open.translate = from;
-  close.translate = to;
-  open.rotate_axis = close.rotate_axis = Vector3d(0.6, 0.8, 0.0);
-  close.rotate_radians = radians;
-  object.transform.keys = {open, close};
-}
-
-/// Two spheres that pass through each other while one turns, in front of a still one.
-Scene busy_scene() {
-  Scene scene = stage();
-  scene.model.segments = 3;
-  scene.objects = {checkered_sphere(0.8, 900), checkered_sphere(0.7, 700), checkered_sphere(0.5, 400)};
-  move(scene.objects[0], {-0.8, -0.2, 0.6}, {0.5, 0.1, -0.6}, 0.8);
-  move(scene.objects[1], {0.9, 0.3, -0.5}, {-0.1, -0.2, 0.5});
-  move(scene.objects[2], {0.2, 0.8, -2.0}, {0.2, 0.8, -2.0});
-  return scene;
-}
+using test::move;
+using test::Random;
+using test::stage;
 
 Scene particles() {
   Scene scene = stage();
@@ -90,8 +32,8 @@ Scene particles() {
   object.cloud.keys.resize(1);
   for (int i = 0; i < 1500; ++i) {
     const Vector3d normal(random(-1, 1), random(-1, 1), random(-1, 1));
-    add_point(object, {random(-2, 2), random(-2, 2), random(-2, 2)}, normal.normalized(), random(0.01, 0.08),
-              Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
+    add_disc(object, {random(-2, 2), random(-2, 2), random(-2, 2)}, normal.normalized(), random(0.01, 0.08),
+             Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
     object.cloud.velocity.push_back(Vector3d(random(-1, 1), random(-1, 1), random(-1, 1)).cast<float>());
     object.cloud.opacity.push_back(static_cast<float>(random(0.3, 1.0)));
   }
@@ -108,10 +50,10 @@ Scene fly_past() {
   Random random(9);
   for (int i = 0; i < 60; ++i) {
     const Vector3d normal(random(-1, 1), random(-1, 1), random(-1, 1));
-    add_point(object, {random(-0.5, 0.5), random(-0.5, 0.5), random(3.0, 4.8)}, normal.normalized(), 0.15,
-              Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
+    add_disc(object, {random(-0.5, 0.5), random(-0.5, 0.5), random(3.0, 4.8)}, normal.normalized(), 0.15,
+             Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
   }
-  add_point(object, {0.0, 0.0, 4.0}, Vector3d(0.0, 0.1, 1.0).normalized(), 0.4, {1.0f, 1.0f, 1.0f});
+  add_disc(object, {0.0, 0.0, 4.0}, Vector3d(0.0, 0.1, 1.0).normalized(), 0.4, {1.0f, 1.0f, 1.0f});
   object.cloud.velocity.assign(object.cloud.size(), Eigen::Vector3f(0.0f, 0.0f, 2.0f));
   scene.objects = {object};
   return scene;
@@ -201,8 +143,8 @@ TEST(Abuffer, NormalisationPerPixelChangesColoursOnlyAndOnlyWhereTheyChange) {
     Object sheet;
     sheet.cloud.keys.resize(1);
     for (int i = 0; i < 800; ++i)
-      add_point(sheet, {random(-1.5, 1.5), random(-1, 1), 0.0}, {0.0, 0.0, 1.0}, 0.1,
-                Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
+      add_disc(sheet, {random(-1.5, 1.5), random(-1, 1), 0.0}, {0.0, 0.0, 1.0}, 0.1,
+               Eigen::Vector3d(random(0, 1), random(0, 1), random(0, 1)).cast<float>());
     still.objects = {sheet};
     for (const Scene& same : {one_color, still}) {
       const Image a = render(same), b = render(same, per_pixel);

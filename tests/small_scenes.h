@@ -1,0 +1,83 @@
+// A small stage, and what is put on it: scenes for tests of whole renderers.
+#pragma once
+
+#include <cmath>
+#include <random>
+
+#include <Eigen/Geometry>
+
+#include "splat/scene.h"
+
+namespace swept::test {
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
+  }
+  Eigen::Vector3d vector(double low, double high) {
+    const double x = (*this)(low, high), y = (*this)(low, high);
+    return {x, y, (*this)(low, high)};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// 64 × 48 px; the shutter is open from frame 0 to 1. The eye looks along −z of the world from z = 5.
+inline Scene stage() {
+  Scene scene;
+  scene.film = {64, 48, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats.emplace_back();
+  return scene;
+}
+
+inline void add_disc(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                     double radius, const Eigen::Vector3f& color = Eigen::Vector3f::Ones()) {
+  if (object.cloud.keys.empty()) object.cloud.keys.resize(1);
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+  SurfelPose& pose = object.cloud.keys.front().pose;
+  pose.position.push_back(position);
+  pose.axis_u.push_back((radius * u).cast<float>());
+  pose.axis_v.push_back((radius * v).cast<float>());
+  object.cloud.color.push_back(color);
+}
+
+inline Object checkered_sphere(double radius, int points) {
+  Object object;
+  for (int i = 0; i < points; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / points, angle = i * 2.399963229728653;
+    const Eigen::Vector3d n(std::sqrt(1.0 - z * z) * std::cos(angle),
+                            std::sqrt(1.0 - z * z) * std::sin(angle), z);
+    const bool odd = (static_cast<int>((n.x() + 1.0) * 4.0) + static_cast<int>((n.y() + 1.0) * 4.0)) % 2 != 0;
+    add_disc(object, radius * n, n, radius * std::sqrt(4.0 * M_PI / points),
+             odd ? Eigen::Vector3f(0.9f, 0.2f, 0.1f) : Eigen::Vector3f(0.1f, 0.3f, 0.9f));
+  }
+  return object;
+}
+
+inline void move(Object& object, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                 double radians = 0.0) {
+  TransformKey open, close;
+  close.frame = 1.0;
+  open.translate = from;
+  close.translate = to;
+  open.rotate_axis = close.rotate_axis = Eigen::Vector3d(0.6, 0.8, 0.0);
+  close.rotate_radians = radians;
+  object.transform.keys = {open, close};
+}
+
+/// Two spheres that pass through each other while one turns, in front of a still one.
+inline Scene busy_scene() {
+  Scene scene = stage();
+  scene.model.segments = 3;
+  scene.objects = {checkered_sphere(0.8, 900), checkered_sphere(0.7, 700), checkered_sphere(0.5, 400)};
+  move(scene.objects[0], {-0.8, -0.2, 0.6}, {0.5, 0.1, -0.6}, 0.8);
+  move(scene.objects[1], {0.9, 0.3, -0.5}, {-0.1, -0.2, 0.5});
+  move(scene.objects[2], {0.2, 0.8, -2.0}, {0.2, 0.8, -2.0});
+  return scene;
+}
+
+}  // namespace swept::test
