@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "splat/io/image_file.h"
+#include "tests/command.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
@@ -19,7 +20,9 @@ namespace {
 
 using nlohmann::json;
 using test::content_of;
+using test::Outcome;
 using test::put;
+using test::run_command;
 using test::TemporaryFolder;
 
 constexpr const char* small_scene = R"({
@@ -34,18 +37,12 @@ constexpr const char* small_scene = R"({
                                       {"frame": 10, "translate": [5, 0, 0]}]}}]
 })";
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
 class Command : public ::testing::Test {
  protected:
   void SetUp() override { put(scene_, small_scene); }
 
   /// Runs `swept`; an argument may say {} for the test's folder.
   Outcome swept(const std::vector<std::string>& arguments) const {
-    const TemporaryFolder streams;
     const auto quoted = [](const std::string& word) { return " '" + word + "'"; };
     std::string line = std::string(SWEPT_COMMAND);
     for (std::string argument : arguments) {
@@ -53,10 +50,7 @@ class Command : public ::testing::Test {
         argument.replace(at, 2, folder_ / "");
       line += quoted(argument);
     }
-    line += " >" + quoted(streams / "out") + " 2>" + quoted(streams / "err") + " </dev/null";
-    const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(streams / "out"),
-            content_of(streams / "err")};
+    return run_command(line);
   }
 
   TemporaryFolder folder_;

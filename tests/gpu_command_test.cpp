@@ -21,13 +21,16 @@
 #include "gpu_passes/gpu_renderer.h"
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
+#include "tests/command.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
 namespace {
 
 using test::content_of;
+using test::Outcome;
 using test::put;
+using test::run_command;
 using test::TemporaryFolder;
 
 constexpr const char* small_scene = R"({
@@ -41,11 +44,6 @@ constexpr const char* small_scene = R"({
                                       {"frame": 10, "translate": [5, 0, 0]}]}}]
 })";
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
 class GpuCommand : public testing::Test {
  protected:
   void SetUp() override {
@@ -56,15 +54,11 @@ class GpuCommand : public testing::Test {
 
   /// `prefix` goes before the command: variables, or a program that runs it.
   Outcome swept(const std::string& arguments, const std::string& prefix = "") const {
-    const std::string line = "cd '" + (folder_ / "") + "' && " + prefix + " " SWEPT_COMMAND " " + arguments +
-                             " >'" + (streams_ / "out") + "' 2>'" + (streams_ / "err") + "' </dev/null";
-    const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(streams_ / "out"),
-            content_of(streams_ / "err")};
+    return run_command("cd '" + (folder_ / "") + "' && " + prefix + " " SWEPT_COMMAND " " + arguments);
   }
   [[nodiscard]] bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
 
-  TemporaryFolder folder_, streams_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(GpuCommand, WritesTheImageAndStatisticsOfTheLibrary) {
