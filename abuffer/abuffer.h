@@ -25,7 +25,7 @@ struct AbufferOptions {
   int threads = 0;   ///< 0: as many as the machine has
   int tile_px = 32;  ///< side of a tile; [1, 4096]
   std::size_t tile_fragments =
-      1u << 20;  ///< fragments one thread may hold; a fuller tile is done in parts. > 0
+      1u << 20;      ///< fragments one thread may hold; a fuller tile is done in parts. > 0
   bool simd = true;  ///< false: the plain loops that define what vectors compute
   Normalisation normalisation = Normalisation::interval;  ///< the one option that changes the image
 
