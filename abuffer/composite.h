@@ -47,11 +47,11 @@ class SurfaceModel {
 
   /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
   /// is left of the light, before and after.
-  void add(const SurfaceSum& surface, float duration, float& transmittance, PixelSum& pixel) const {
+  void add(const SurfaceSum& surface, double duration, float& transmittance, PixelSum& pixel) const {
     const float factor = scale(surface);
     if (factor == 0.0f) return;
     const float alpha = surface.rgba[3] * factor < 1.0f ? surface.rgba[3] * factor : 1.0f;
-    const double share = static_cast<double>(transmittance) * static_cast<double>(duration);
+    const double share = static_cast<double>(transmittance) * duration;
     const float of_color = per_pixel_ ? 1.0f : factor;
     for (int c = 0; c < 3; ++c) pixel.rgba[c] += share * static_cast<double>(surface.rgba[c] * of_color);
     pixel.rgba[3] += share * static_cast<double>(surface.rgba[3] * factor);

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "abuffer/ticks.h"
+
 namespace swept {
 
 /// Linear, premultiplied RGBA, and the depth tolerance that travels with it: what fragments of one kernel
@@ -22,8 +24,8 @@ struct Shade {
 struct FragmentArrays {
   std::vector<std::uint32_t> pixel;   ///< row-major index within the window
   std::vector<std::uint32_t> kernel;  ///< index of its Shade
-  std::vector<float> t_begin, t_end;  ///< shutter time, t_begin < t_end
-  std::vector<float> y, rate;         ///< ρ(τ) = peak · exp(−(y + rate·(τ − t_begin))²)
+  std::vector<Ticks> t_begin, t_end;  ///< t_begin < t_end
+  std::vector<float> y, rate;  ///< ρ(τ) = peak · exp(−(y + rate·(τ − t_begin))²), τ ∈ [0, 1]
   std::vector<float> peak;
   std::vector<float> z, z_rate;  ///< depth at t_begin, camera-space units, and its change per unit of τ
   std::size_t count = 0;
@@ -34,13 +36,14 @@ struct FragmentArrays {
     const std::size_t size = std::max(count + more, 2 * pixel.size());
     pixel.resize(size);
     kernel.resize(size);
-    for (std::vector<float>* field : {&t_begin, &t_end, &y, &rate, &peak, &z, &z_rate}) field->resize(size);
+    for (std::vector<Ticks>* field : {&t_begin, &t_end}) field->resize(size);
+    for (std::vector<float>* field : {&y, &rate, &peak, &z, &z_rate}) field->resize(size);
   }
 };
 
 /// A fragment that covers the whole shutter and changes nothing within it.
 [[nodiscard]] inline bool is_still(const FragmentArrays& f, std::size_t i) {
-  return f.rate[i] == 0.0f && f.z_rate[i] == 0.0f && f.t_begin[i] == 0.0f && f.t_end[i] == 1.0f;
+  return f.rate[i] == 0.0f && f.z_rate[i] == 0.0f && f.t_begin[i] == 0 && f.t_end[i] == shutter_close;
 }
 
 }  // namespace swept

@@ -9,26 +9,26 @@
 namespace swept {
 
 // interval_math_scalar.cpp
-DepthRange depths_over_scalar(const Members& members, float begin, float end, float* z_begin, float* z_end);
-MemberSum sum_over_scalar(const Members& members, float begin, float end, float* mean);
+DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
+MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 
 namespace {
 
-DepthRange depths_over_default(const Members& members, float begin, float end, float* z_begin, float* z_end) {
+DepthRange depths_over_default(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
 }
 
-MemberSum sum_over_default(const Members& members, float begin, float end, float* mean) {
+MemberSum sum_over_default(const Members& members, Ticks begin, Ticks end, float* mean) {
   return sum_over_text(members, begin, end, mean);
 }
 
 #if defined(SWEPT_AVX2)
-__attribute__((target("avx2"))) DepthRange depths_over_avx2(const Members& members, float begin, float end,
+__attribute__((target("avx2"))) DepthRange depths_over_avx2(const Members& members, Ticks begin, Ticks end,
                                                             float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
 }
 
-__attribute__((target("avx2"))) MemberSum sum_over_avx2(const Members& members, float begin, float end,
+__attribute__((target("avx2"))) MemberSum sum_over_avx2(const Members& members, Ticks begin, Ticks end,
                                                         float* mean) {
   return sum_over_text(members, begin, end, mean);
 }

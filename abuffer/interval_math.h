@@ -5,6 +5,7 @@
 #include <span>
 
 #include "abuffer/composite.h"
+#include "abuffer/ticks.h"
 
 namespace swept {
 
@@ -12,7 +13,8 @@ namespace swept {
 inline constexpr std::size_t member_lanes = 8;
 
 enum MemberField : std::size_t {
-  member_t_begin,  ///< ρ(τ) = peak · exp(−(y + rate·(τ − t_begin))²), z(τ) = z + z_rate·(τ − t_begin)
+  /// Ticks, by their bits. ρ(τ) = peak · exp(−(y + rate·(τ − t_begin))²), z(τ) = z + z_rate·(τ − t_begin).
+  member_t_begin,
   member_y,
   member_rate,
   member_peak,
@@ -55,13 +57,13 @@ struct IntervalMath {
   const char* name;
 
   /// z_begin and z_end have room for `padded` values. Precondition: count > 0.
-  DepthRange (*depths_over)(const Members& members, float begin, float end, float* z_begin, float* z_end);
+  DepthRange (*depths_over)(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
 
   /// Sums over [begin, end]; begin == end: at that instant. `mean` has room for `padded` values. A mean is
   /// within 5 ulp; where the piece is short, of the mean about the middle as it comes out in float,
-  /// y + rate·(τ − t_begin). That rounding, 2⁻²⁴ (|y| + rate·(½ + 2 (τ − t_begin))), is the size of those in
+  /// y + rate·(τ − t_begin). That rounding, 2⁻²⁴ (|y| + 3 rate·(τ − t_begin)), is the size of those in
   /// the fragment's own numbers, and costs 2|y| times as much of the mean.
-  MemberSum (*sum_over)(const Members& members, float begin, float end, float* mean);
+  MemberSum (*sum_over)(const Members& members, Ticks begin, Ticks end, float* mean);
 };
 
 /// Those this processor can run: first the plain loops that define what the others compute, last the widest.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "abuffer/interval_math.h"
@@ -37,7 +38,7 @@ SWEPT_INLINE Lanes exp_minus_square(const Lanes& y) {
 }
 
 /// |y|, but no more than what exp_minus_square takes. A fragment's own y are within √50; but the times of one
-/// that is faster than 10⁶ px are rounded by more than it takes to pass the pixel.
+/// that is faster than 10⁹ px are rounded by more than it takes to pass the pixel.
 SWEPT_INLINE Lanes within_exp(const Lanes& y) { return smaller(magnitude(y), all(9.3f)); }
 
 /// At most 1 where GaussianSeries<float>::factor keeps its error below 2⁻²⁴: for s ≤ ½ and |m| s ≤ 1 the
@@ -46,7 +47,12 @@ SWEPT_INLINE Lanes series_reach(const Lanes& middle, const Lanes& span) {
   return larger(span * 2.0f, span * middle);
 }
 
-SWEPT_INLINE DepthRange depths_over_text(const Members& members, float begin, float end, float* z_begin,
+/// From members' t_begin to `time`, as a share of the exposure.
+SWEPT_INLINE Lanes since(Ticks time, const float* t_begin) {
+  return floats_from(static_cast<std::uint32_t>(time) - load_bits(t_begin)) * per_tick;
+}
+
+SWEPT_INLINE DepthRange depths_over_text(const Members& members, Ticks begin, Ticks end, float* z_begin,
                                          float* z_end) {
   const float *t = members.field(member_t_begin), *z = members.field(member_z),
               *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
@@ -55,8 +61,8 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, float begin, fl
   Lanes min_begin = all(beyond), min_end = min_begin, min_tolerance = min_begin;
   Lanes max_begin = all(-beyond), max_end = max_begin, max_tolerance = all(0.0f), max_rate = max_tolerance;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
-    const Lanes from = load(t + i), depth = load(z + i), rate = load(z_rate + i);
-    const Lanes at_begin = depth + rate * (begin - from), at_end = depth + rate * (end - from);
+    const Lanes depth = load(z + i), rate = load(z_rate + i);
+    const Lanes at_begin = depth + rate * since(begin, t + i), at_end = depth + rate * since(end, t + i);
     const Lanes reach = load(tolerance + i);
     store(at_begin, z_begin + i);
     store(at_end, z_end + i);
@@ -74,31 +80,34 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, float begin, fl
 }
 
 /// Where the series does not hold. Ends in double, which has the digits that y² asks for.
-[[gnu::noinline]] void long_means(const Members& members, float begin, float end, float* mean) {
+[[gnu::noinline]] void long_means(const Members& members, Ticks begin, Ticks end, float* mean) {
   const float *t = members.field(member_t_begin), *y = members.field(member_y),
               *rate = members.field(member_rate), *peak = members.field(member_peak);
+  const float duration = static_cast<float>(share_of(end - begin));
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const Lanes speed = load(rate + i);
-    const Lanes middle = within_exp(load(y + i) + speed * (0.5f * (begin + end) - load(t + i)));
-    const Lanes reach = series_reach(middle, speed * (end - begin));
+    const Lanes middle = within_exp(load(y + i) + speed * (since(begin, t + i) + 0.5f * duration));
+    const Lanes reach = series_reach(middle, speed * duration);
     for (std::size_t k = i; k < std::min(i + member_lanes, members.count); ++k) {
       if (reach[k - i] <= 1.0f) continue;
-      const auto y_at = [&](double time) { return y[k] + double{rate[k]} * (time - double{t[k]}); };
+      const auto y_at = [&](Ticks time) {
+        return y[k] + double{rate[k]} * share_of(time - std::bit_cast<Ticks>(t[k]));
+      };
       mean[k] = peak[k] * mean_gaussian_as<float>(y_at(begin), y_at(end));
     }
   }
 }
 
-SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float end, float* mean) {
+SWEPT_INLINE MemberSum sum_over_text(const Members& members, Ticks begin, Ticks end, float* mean) {
   const float *t = members.field(member_t_begin), *y = members.field(member_y),
               *rate = members.field(member_rate), *peak = members.field(member_peak),
               *z = members.field(member_z), *z_rate = members.field(member_z_rate);
-  const float duration = end - begin, middle_time = 0.5f * (begin + end);
+  const float duration = static_cast<float>(share_of(end - begin)), half = 0.5f * duration;
   Lanes reach = all(0.0f);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneBits present = lanes_below(members.count - i);
     const Lanes speed = only(present, load(rate + i)), span = speed * duration;
-    const Lanes middle = within_exp(load(y + i) + speed * (middle_time - load(t + i)));
+    const Lanes middle = within_exp(load(y + i) + speed * (since(begin, t + i) + half));
     store(only(present, load(peak + i)) * exp_minus_square(middle) *
               GaussianSeries<float>::factor(middle, span),
           mean + i);
@@ -113,14 +122,14 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, float begin, float 
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneBits present = lanes_below(members.count - i);
     const Lanes m = load(mean + i), speed = only(present, load(rate + i)), span = speed * duration;
-    const Lanes since = middle_time - load(t + i);
-    const Lanes middle = load(y + i) + speed * since;
+    const Lanes to_middle = since(begin, t + i) + half;
+    const Lanes middle = load(y + i) + speed * to_middle;
     weight += m;
     red += m * load(red_of + i);
     green += m * load(green_of + i);
     blue += m * load(blue_of + i);
     alpha += m * load(alpha_of + i);
-    depth += m * (load(z + i) + load(z_rate + i) * since);
+    depth += m * (load(z + i) + load(z_rate + i) * to_middle);
     peaks += only(present, load(peak + i));
     // With x = s|m| the mean is at most exp(−m²) sinh(x)/x, and the least value, at an end, exp(−m² − x −
     // s²/4): they differ by at most the mean times x + s²/4 + x²/6, for 1 − e⁻ᵃ x/sinh x ≤ a + x²/6.

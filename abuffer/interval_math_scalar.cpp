@@ -4,14 +4,14 @@
 
 namespace swept {
 
-DepthRange depths_over_scalar(const Members& members, float begin, float end, float* z_begin, float* z_end);
-MemberSum sum_over_scalar(const Members& members, float begin, float end, float* mean);
+DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
+MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 
-DepthRange depths_over_scalar(const Members& members, float begin, float end, float* z_begin, float* z_end) {
+DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
 }
 
-MemberSum sum_over_scalar(const Members& members, float begin, float end, float* mean) {
+MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean) {
   return sum_over_text(members, begin, end, mean);
 }
 

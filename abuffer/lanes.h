@@ -70,6 +70,13 @@ inline Lanes floats_of(const LaneBits& a) {
   std::memcpy(&floats, &a, sizeof floats);
   return floats;
 }
+/// Of signed integers, to nearest.
+inline Lanes floats_from(const LaneBits& a) {
+  return by_lane<float>([&](std::size_t i) { return static_cast<float>(static_cast<std::int32_t>(a[i])); });
+}
+inline LaneBits operator-(std::uint32_t a, const LaneBits& b) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return a - b[i]; });
+}
 inline LaneBits operator&(const LaneBits& a, std::uint32_t b) {
   return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] & b; });
 }
@@ -119,6 +126,10 @@ SWEPT_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b
 SWEPT_INLINE Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 SWEPT_INLINE LaneBits bits_of(const Lanes& a) { return (LaneBits)a; }
 SWEPT_INLINE Lanes floats_of(const LaneBits& a) { return (Lanes)a; }
+SWEPT_INLINE Lanes floats_from(const LaneBits& a) {
+  using Integers = std::int32_t __attribute__((vector_size(32)));
+  return __builtin_convertvector((Integers)a, Lanes);
+}
 
 SWEPT_INLINE float largest(const Lanes& a) {
   const Lanes b = larger(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
@@ -162,6 +173,7 @@ SWEPT_INLINE Lanes load(const float* from) {
   std::memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
+SWEPT_INLINE LaneBits load_bits(const float* from) { return bits_of(load(from)); }
 SWEPT_INLINE void store(const Lanes& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
 /// `a` in the lanes of `mask`, zero in the others.
 SWEPT_INLINE Lanes only(const LaneBits& mask, const Lanes& a) { return floats_of(bits_of(a) & mask); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,9 +18,17 @@ namespace swept {
 using Member = std::array<float, member_fields>;
 
 [[nodiscard]] inline Member member_of(const FragmentArrays& fragments, std::size_t f, const Shade& shade) {
-  return {fragments.t_begin[f], fragments.y[f],      fragments.rate[f],     fragments.peak[f],
-          fragments.z[f],       fragments.z_rate[f], shade.depth_tolerance, shade.rgba[0],
-          shade.rgba[1],        shade.rgba[2],       shade.rgba[3]};
+  return {std::bit_cast<float>(fragments.t_begin[f]),
+          fragments.y[f],
+          fragments.rate[f],
+          fragments.peak[f],
+          fragments.z[f],
+          fragments.z_rate[f],
+          shade.depth_tolerance,
+          shade.rgba[0],
+          shade.rgba[1],
+          shade.rgba[2],
+          shade.rgba[3]};
 }
 
 class MemberSet {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/ray_kernel.h"
-
 namespace swept {
 namespace {
 
@@ -32,26 +30,29 @@ Row rows_of(const Octagon& octagon, const Window& window) {
   return {static_cast<int>(low), static_cast<int>(high)};
 }
 
-void append(FragmentArrays& out, std::uint32_t pixel, std::uint32_t kernel, const RayFragment<double>& f) {
-  const float t_begin = static_cast<float>(f.t_begin), t_end = static_cast<float>(f.t_end);
+}  // namespace
+
+void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t kernel, FragmentArrays& out) {
+  const Ticks t_begin = ticks_of(f.t_begin), t_end = ticks_of(f.t_end);
   const float peak = static_cast<float>(f.peak);
   if (!(t_begin < t_end) || !(peak > 0.0f)) return;
+  // Where line and depth are at the time as it is kept.
+  const double later = share_of(t_begin) - f.t_begin;
+  const double y = f.y_begin + f.rate * later, z = f.z_begin + f.z_rate * later;
   // Beyond what floats can add up. Nothing meant is that far away or that fast.
   constexpr double largest = 1e30;
-  if (!(std::max({std::abs(f.z_begin), std::abs(f.z_rate), std::abs(f.y_begin), f.rate}) <= largest)) return;
+  if (!(std::max({std::abs(z), std::abs(f.z_rate), std::abs(y), f.rate}) <= largest)) return;
   const std::size_t i = out.count++;
   out.pixel[i] = pixel;
   out.kernel[i] = kernel;
   out.t_begin[i] = t_begin;
   out.t_end[i] = t_end;
-  out.y[i] = static_cast<float>(f.y_begin);
+  out.y[i] = static_cast<float>(y);
   out.rate[i] = static_cast<float>(f.rate);
   out.peak[i] = peak;
-  out.z[i] = static_cast<float>(f.z_begin);
+  out.z[i] = static_cast<float>(z);
   out.z_rate[i] = static_cast<float>(f.z_rate);
 }
-
-}  // namespace
 
 // Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
 [[gnu::flatten]] void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index,
@@ -72,7 +73,7 @@ void append(FragmentArrays& out, std::uint32_t pixel, std::uint32_t kernel, cons
       RayFragment<double> fragment;
       if (intersect_tube<double>(plane.along(ray_x, ray_y), kernel.t_begin, kernel.t_end, model.near,
                                  model.delta, kernel.weight, fragment))
-        append(fragments, row_start + static_cast<std::uint32_t>(x), kernel_index, fragment);
+        append(fragment, row_start + static_cast<std::uint32_t>(x), kernel_index, fragments);
     }
   }
 }

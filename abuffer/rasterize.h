@@ -5,6 +5,7 @@
 
 #include "abuffer/fragments.h"
 #include "splat/camera.h"
+#include "splat/ray_kernel.h"
 #include "splat/screen_bounds.h"
 
 namespace swept {
@@ -22,6 +23,12 @@ struct RasterModel {
   double near = 0.0;
   double delta = 3.0;
 };
+
+/// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded
+/// to float. Not one that would last for no tick or weigh nothing, nor what is beyond the range of sums.
+/// There must be room: FragmentArrays::ensure().
+void append(const RayFragment<double>& fragment, std::uint32_t pixel, std::uint32_t kernel,
+            FragmentArrays& fragments);
 
 /// Appends the kernel's fragments in `window`. `octagon` is its screen_bounds(). Every pixel's result depends
 /// on its place on the film alone, not on the window.

@@ -23,7 +23,7 @@ void StillPixel::resolve(const FragmentArrays& fragments, const std::vector<Shad
       for (int c = 0; c < 4; ++c) surface.rgba[c] += rho * shade.rgba[c];
       surface.depth += rho * fragments.z[f];
     }
-    model_.add(surface, 1.0f, transmittance, pixel);
+    model_.add(surface, 1.0, transmittance, pixel);
     first = i;
   }
   model_.finish(pixel);

@@ -12,7 +12,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 /// The shortest piece of the shutter that a change of surfaces or a subdivision may cut off. What happens
 /// within it is worth at most as much of the image.
-constexpr float shortest_interval = 0x1p-20f;
+constexpr Ticks shortest_interval = shutter_close >> 20;
 
 /// How far a kernel may move along its line, in units of y, in one piece where several kernels share a
 /// surface. The ratio of integrals differs from the integral of ratios in second order of this.
@@ -27,12 +27,12 @@ constexpr float coverage_error = 0x1p-15f;
 
 }  // namespace
 
-float SurfaceStack::build(MemberSet& active, float begin, float end, SweepCounters& counters) {
+Ticks SurfaceStack::build(MemberSet& active, Ticks begin, Ticks end, SweepCounters& counters) {
   active_ = &active;
   counters_ = &counters;
   // Each attempt may find that it has to end sooner; what it finds then holds for the shorter piece as well.
   for (;;) {
-    const float sooner = attempt(begin, end);
+    const Ticks sooner = attempt(begin, end);
     if (!(sooner < end)) return end;
     end = sooner;
   }
@@ -40,7 +40,7 @@ float SurfaceStack::build(MemberSet& active, float begin, float end, SweepCounte
 
 /// Surfaces front to back, until no light is left. Returns `end`, or the sooner time to which the caller has
 /// to shorten the piece.
-float SurfaceStack::attempt(float begin, float end) {
+Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   const Members all = active_->view();
   const std::size_t count = all.count;
   for (std::vector<float>* scratch : {&mean_, &z_begin_, &z_end_})
@@ -51,11 +51,12 @@ float SurfaceStack::attempt(float begin, float end) {
   const DepthRange range = math_.depths_over(all, begin, end, z_begin_.data(), z_end_.data());
   margin_ = range.max_tolerance;
   if (count > 1) {
-    const float span = range.max_rate * (end - begin), lasting = span * span * (end - begin);
+    const float duration = static_cast<float>(share_of(end - begin));
+    const float span = range.max_rate * duration, lasting = span * span * duration;
     if (span > longest_span || lasting > longest_lasting) {
       // A little less than the limit, so that rounding does not ask for the same again.
       const float fraction = std::min(longest_span / span, std::cbrt(longest_lasting / lasting));
-      const float cut = shorten(begin, end, 0.99f * fraction);
+      const Ticks cut = shorten(begin, end, 0.99f * fraction);
       if (cut < end) return cut;
     }
   }
@@ -73,7 +74,7 @@ float SurfaceStack::attempt(float begin, float end) {
   limit_ = -infinity;
   used_ = 0;
   while (used_ < count && transmittance_ > opaque_transmittance) {
-    float sooner = end;
+    Ticks sooner = end;
     const std::size_t last = gather_nearest(used_, begin, sooner);
     if (sooner < end) return sooner;
     if (parts_.size() == surfaces_.size()) parts_.emplace_back();
@@ -92,7 +93,7 @@ float SurfaceStack::attempt(float begin, float end) {
 
 /// Moves the members of the surface that is nearest just after `begin` to the front of order_[first, …) and
 /// returns their end. Shortens `end` to the time until which they are its members.
-std::size_t SurfaceStack::gather_nearest(std::size_t first, float begin, float& end) {
+std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& end) {
   const std::size_t count = order_.size();
   const float* const z_begin = z_begin_.data();
   const float* const z_end = z_end_.data();
@@ -141,30 +142,35 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, float begin, float& 
   if (holds) return last;
 
   // Otherwise until the nearest is overtaken, or something comes within its tolerance or leaves it.
-  float wait = end - begin;
+  const double duration = share_of(end - begin);
+  double wait = duration;
   for (std::size_t i = first; i < count; ++i) {
     const std::uint32_t k = order[i];
     if (k == nearest) continue;
     const float above = z_begin[k] - z_begin[nearest];
     const float rate = rate_of(k) - rate_of(nearest);
     if (i < last && rate > 0.0f)
-      wait = std::min(wait, (tolerance - above) / rate);
+      wait = std::min(wait, double{tolerance - above} / rate);
     else if (rate < 0.0f)
-      wait = std::min(wait, (i < last ? above : above - tolerance) / -rate);
+      wait = std::min(wait, double{i < last ? above : above - tolerance} / -rate);
   }
-  if (wait < end - begin && wait < shortest_interval) ++counters_->shortest;
-  wait = std::max(wait, shortest_interval);
-  if (begin + wait < end) {
-    end = begin + wait;
+  if (!(wait < duration)) return last;
+  // Rounded up, to where it has happened.
+  const Ticks until = begin + static_cast<Ticks>(std::ceil(std::max(wait, 0.0) * shutter_close));
+  if (until < begin + shortest_interval) ++counters_->shortest;
+  const Ticks cut = std::max(until, begin + shortest_interval);
+  if (cut < end) {
+    end = cut;
     ++counters_->crossings;
   }
   return last;
 }
 
 /// Cuts [begin, end] to a fraction, if that is not too short a piece. Returns its end.
-float SurfaceStack::shorten(float begin, float end, float fraction) {
-  if ((end - begin) * fraction < shortest_interval) ++counters_->shortest;
-  const float cut = begin + std::max((end - begin) * fraction, shortest_interval);
+Ticks SurfaceStack::shorten(Ticks begin, Ticks end, float fraction) {
+  const auto wanted = static_cast<Ticks>(double{fraction} * (end - begin));
+  if (wanted < shortest_interval) ++counters_->shortest;
+  const Ticks cut = begin + std::max(wanted, shortest_interval);
   if (!(cut < end)) return end;
   ++counters_->subdivided;
   return cut;
@@ -173,7 +179,7 @@ float SurfaceStack::shorten(float begin, float end, float fraction) {
 /// Sums the last surface over [begin, end] and takes its light. Returns `end`, or the sooner time to which
 /// the piece has to be shortened for the sums' ratio to stand for the ratio's integral. `alone`: nothing lies
 /// behind.
-float SurfaceStack::measure(Surface& surface, float begin, float end) {
+Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
   surface.sum = math_.sum_over(surface.members, begin, end, mean_.data());
   const float scale = model_.scale(surface.sum.surface);
   transmittance_ *= 1.0f - std::min(1.0f, surface.sum.surface.rgba[3] * scale);
@@ -184,7 +190,7 @@ float SurfaceStack::measure(Surface& surface, float begin, float end) {
   const bool clamp_is_near = !model_.hard() && least < edge && most > edge;
   if (!clamp_is_near) return end;
   if (surface.sum.widest > longest_span) {
-    const float cut = shorten(begin, end, 0.99f * longest_span / surface.sum.widest);
+    const Ticks cut = shorten(begin, end, 0.99f * longest_span / surface.sum.widest);
     if (cut < end) return cut;
   }
 
@@ -199,16 +205,16 @@ float SurfaceStack::measure(Surface& surface, float begin, float end) {
   if (low >= edge || high <= edge) return end;
   // The mean of the clamped differs from the clamped mean by at most a quarter of the range, whatever its
   // shape.
-  if ((high - low) * (end - begin) <= 4.0f * edge * coverage_error) return end;
+  if (double{high - low} * share_of(end - begin) <= 4.0f * edge * coverage_error) return end;
   // Where a straight line between the ends crosses the clamp, or in the middle if they lie on one side of it.
   const bool crosses = (at_begin < edge) != (at_end < edge);
   return shorten(begin, end,
                  crosses ? std::clamp((edge - at_begin) / (at_end - at_begin), 0.1f, 0.9f) : 0.5f);
 }
 
-void SurfaceStack::composite(float begin, float end, PixelSum& pixel, SweepCounters& counters) {
+void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters) {
   ++counters.intervals;
-  const float duration = end - begin;
+  const double duration = share_of(end - begin);
   float transmittance = 1.0f;
   if (surfaces_.size() == 1) {
     model_.add(surfaces_[0].sum.surface, duration, transmittance, pixel);
@@ -217,13 +223,13 @@ void SurfaceStack::composite(float begin, float end, PixelSum& pixel, SweepCount
   }
   // The light that one surface lets through and what the next one covers change together, and the product of
   // their means is not the mean of their product. Two Gauss points integrate it to fourth order.
-  constexpr float gauss_point = 0.211324865f;  // (1 − 1/√3)/2
-  for (const float place : {gauss_point, 1.0f - gauss_point}) {
-    const float time = begin + place * duration;
+  constexpr double gauss_point = 0.21132486540518711775;  // (1 − 1/√3)/2
+  const auto to_first = static_cast<Ticks>(gauss_point * (end - begin) + 0.5);
+  for (const Ticks time : {begin + to_first, end - to_first}) {
     transmittance = 1.0f;
     for (const Surface& surface : surfaces_) {
       const SurfaceSum sum = math_.sum_over(surface.members, time, time, mean_.data()).surface;
-      model_.add(sum, 0.5f * duration, transmittance, pixel);
+      model_.add(sum, 0.5 * duration, transmittance, pixel);
       counters.evaluations += surface.members.count;
     }
   }

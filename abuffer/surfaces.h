@@ -8,6 +8,7 @@
 #include "abuffer/composite.h"
 #include "abuffer/interval_math.h"
 #include "abuffer/members.h"
+#include "abuffer/ticks.h"
 
 namespace swept {
 
@@ -32,10 +33,10 @@ class SurfaceStack {
   /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
   /// each keeps its members, and its sums' ratio stands for the ratio's integral. `active` must not be empty,
   /// and must outlive what follows unchanged.
-  [[nodiscard]] float build(MemberSet& active, float begin, float end, SweepCounters& counters);
+  [[nodiscard]] Ticks build(MemberSet& active, Ticks begin, Ticks end, SweepCounters& counters);
 
   /// Adds what was built over [begin, end], the end being the one that build() returned.
-  void composite(float begin, float end, PixelSum& pixel, SweepCounters& counters);
+  void composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters);
 
   /// Whether the surfaces let no light through.
   [[nodiscard]] bool opaque() const { return transmittance_ <= opaque_transmittance; }
@@ -52,10 +53,10 @@ class SurfaceStack {
     MemberSum sum;
   };
 
-  float attempt(float begin, float end);
-  std::size_t gather_nearest(std::size_t first, float begin, float& end);
-  float measure(Surface& surface, float begin, float end);
-  float shorten(float begin, float end, float fraction);
+  Ticks attempt(Ticks begin, Ticks end);
+  std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
+  Ticks measure(Surface& surface, Ticks begin, Ticks end);
+  Ticks shorten(Ticks begin, Ticks end, float fraction);
 
   SurfaceModel model_;
   IntervalMath math_;

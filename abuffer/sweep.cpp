@@ -1,18 +1,16 @@
 #include "abuffer/sweep.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace swept {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// Positive floats order as their bits do.
-std::uint64_t event_key(float time, std::size_t place) {
-  return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(time)) << 32 | place;
+std::uint64_t event_key(Ticks time, std::size_t place) {
+  return static_cast<std::uint64_t>(time) << 32 | place;
 }
-float event_time(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
+Ticks event_time(std::uint64_t key) { return static_cast<Ticks>(key >> 32); }
 std::uint32_t event_place(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 }  // namespace
@@ -22,11 +20,11 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
                          SweepCounters& counters) {
   counters_ = &counters;
   start(fragments, shades.data(), indices, count);
-  float time = event_time(begins_.front());
+  Ticks time = event_time(begins_.front());
   while (next_end_ < count) {
     pass_events(time);
     if (next_end_ == count) break;
-    const float next = next_event();
+    const Ticks next = next_event();
     if (active_.size() == 0 && !hidden_.empty()) {
       reveal(time);
       continue;
@@ -43,9 +41,10 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
   ends_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t f = indices[i];
-    const float begin = fragments.t_begin[f], end = fragments.t_end[f], z = fragments.z[f];
+    const Ticks begin = fragments.t_begin[f], end = fragments.t_end[f];
+    const float z = fragments.z[f], duration = static_cast<float>(share_of(end - begin));
     local_[i] = {member_of(fragments, f, shades[fragments.kernel[f]]), end,
-                 std::min(z, z + fragments.z_rate[f] * (end - begin))};
+                 std::min(z, z + fragments.z_rate[f] * duration)};
     begins_[i] = event_key(begin, i);
     ends_[i] = event_key(end, i);
   }
@@ -64,7 +63,8 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
 void PixelSweep::sort_events(std::vector<std::uint64_t>& events) {
   const auto count = static_cast<std::uint32_t>(events.size());
   const auto bucket_of = [&](std::uint64_t key) {
-    return std::min(static_cast<std::uint32_t>(event_time(key) * static_cast<float>(count)), count - 1);
+    const std::uint64_t bucket = (static_cast<std::uint64_t>(event_time(key)) * count) / shutter_close;
+    return std::min(static_cast<std::uint32_t>(bucket), count - 1);
   };
   buckets_.assign(count + 1, 0);
   for (const std::uint64_t key : events) ++buckets_[bucket_of(key) + 1];
@@ -96,7 +96,7 @@ void PixelSweep::deactivate(std::uint32_t place) {
 }
 
 /// What ends at or before `time` goes, what begins at or before it comes.
-void PixelSweep::pass_events(float time) {
+void PixelSweep::pass_events(Ticks time) {
   for (; next_end_ < ends_.size() && event_time(ends_[next_end_]) <= time; ++next_end_) {
     const std::uint32_t place = event_place(ends_[next_end_]);
     if (state_[place] == State::active) deactivate(place);
@@ -113,8 +113,8 @@ void PixelSweep::pass_events(float time) {
 }
 
 /// The first time to come at which something that is not hidden begins or ends. Hides on the way.
-float PixelSweep::next_event() {
-  float next = infinity;
+Ticks PixelSweep::next_event() {
+  Ticks next = std::numeric_limits<Ticks>::max();
   for (; next_begin_ < begins_.size(); ++next_begin_) {
     const std::uint32_t place = event_place(begins_[next_begin_]);
     // Where nothing is active there is nothing to be behind of.
@@ -154,7 +154,7 @@ void PixelSweep::hide_what_is_behind() {
 }
 
 /// Takes back what was put aside, as of `time`.
-void PixelSweep::reveal(float time) {
+void PixelSweep::reveal(Ticks time) {
   ++counters_->revealed;
   front_limit_ = infinity;
   for (const std::uint32_t place : hidden_) {
@@ -170,7 +170,7 @@ void PixelSweep::reveal(float time) {
   // Events passed over since `time` are to come again.
   const auto after = [&](const std::vector<std::uint64_t>& events) {
     const auto first = std::upper_bound(events.begin(), events.end(), time,
-                                        [](float t, std::uint64_t key) { return t < event_time(key); });
+                                        [](Ticks t, std::uint64_t key) { return t < event_time(key); });
     return static_cast<std::size_t>(first - events.begin());
   };
   next_begin_ = after(begins_);
@@ -178,9 +178,9 @@ void PixelSweep::reveal(float time) {
 }
 
 /// Resolves [begin, end], or up to the returned time if what is hidden has to be looked at from there.
-float PixelSweep::resolve_until(float begin, float end, PixelSum& pixel) {
+Ticks PixelSweep::resolve_until(Ticks begin, Ticks end, PixelSum& pixel) {
   while (begin < end) {
-    const float piece_end = surfaces_.build(active_, begin, end, *counters_);
+    const Ticks piece_end = surfaces_.build(active_, begin, end, *counters_);
     const bool opaque = surfaces_.opaque();
     if (!hidden_.empty() && !(opaque && surfaces_.limit() < hidden_min_z_)) {
       reveal(begin);

@@ -11,6 +11,7 @@
 // accuracy.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -20,6 +21,7 @@
 #include "abuffer/fragments.h"
 #include "abuffer/members.h"
 #include "abuffer/surfaces.h"
+#include "abuffer/ticks.h"
 
 namespace swept {
 
@@ -39,10 +41,10 @@ class PixelSweep {
   /// A fragment in the pixel's own array: what the sweep reads over and over, side by side.
   struct Local {
     Member member;
-    float t_end;
+    Ticks t_end;
     float least_depth;  ///< over all of its time
 
-    [[nodiscard]] float t_begin() const { return member[member_t_begin]; }
+    [[nodiscard]] Ticks t_begin() const { return std::bit_cast<Ticks>(member[member_t_begin]); }
   };
 
   void start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
@@ -50,14 +52,14 @@ class PixelSweep {
   void sort_events(std::vector<std::uint64_t>& events);
   void activate(std::uint32_t place);
   void deactivate(std::uint32_t place);
-  void pass_events(float time);
-  float next_event();
+  void pass_events(Ticks time);
+  Ticks next_event();
   void hide(std::uint32_t place);
   void hide_what_is_behind();
-  void reveal(float time);
+  void reveal(Ticks time);
   [[nodiscard]] bool lies_behind(std::uint32_t place) const;
 
-  float resolve_until(float begin, float end, PixelSum& pixel);
+  Ticks resolve_until(Ticks begin, Ticks end, PixelSum& pixel);
 
   SurfaceStack surfaces_;
 
@@ -66,7 +68,7 @@ class PixelSweep {
   SweepCounters* counters_ = nullptr;
 
   // Events, and where each place stands.
-  std::vector<std::uint64_t> begins_, ends_;  ///< time's bits above, place below; sorted
+  std::vector<std::uint64_t> begins_, ends_;  ///< time above, place below; sorted
   std::size_t next_begin_ = 0, next_end_ = 0;
   std::vector<std::uint32_t> buckets_;
   std::vector<std::uint64_t> by_bucket_;

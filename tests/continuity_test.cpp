@@ -44,8 +44,10 @@ std::pair<T, T> switch_between(T low, T high, Side first_side) {
 TEST(Continuity, OfTheSweepsMeanWhereItsSeriesEnds) {
   FragmentArrays fragment;
   fragment.ensure(member_lanes);
-  fragment.t_begin[0] = fragment.z_rate[0] = 0.0f;
-  fragment.t_end[0] = fragment.peak[0] = fragment.z[0] = 1.0f;
+  fragment.t_begin[0] = 0;
+  fragment.t_end[0] = shutter_close;
+  fragment.z_rate[0] = 0.0f;
+  fragment.peak[0] = fragment.z[0] = 1.0f;
   for (const IntervalMath& math : interval_math_builds())
     for (const float middle : {-6.5f, -3.0f, -2.0f, -1.0f, 0.0f, 0.25f, 1.0f, 2.5f, 5.0f}) {
       const auto mean = [&](float span) {
@@ -54,7 +56,7 @@ TEST(Continuity, OfTheSweepsMeanWhereItsSeriesEnds) {
         MemberSet members;
         members.push(fragment, 0, {});
         float value[member_lanes];
-        (void)math.sum_over(members.view(), 0.0f, 1.0f, value);
+        (void)math.sum_over(members.view(), 0, shutter_close, value);
         return value[0];
       };
       const auto is_series = [&](float span) {

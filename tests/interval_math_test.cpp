@@ -25,13 +25,14 @@ double uniform(Random& random, double low, double high) {
 }
 
 struct Fragment {
-  float t_begin = 0.0f, y = 0.0f, rate = 0.0f, peak = 1.0f, z = 1.0f, z_rate = 0.0f;
+  Ticks t_begin = 0;
+  float y = 0.0f, rate = 0.0f, peak = 1.0f, z = 1.0f, z_rate = 0.0f;
 };
 
 void push(MemberSet& members, FragmentArrays& arrays, const Fragment& f, const Shade& shade) {
   arrays.ensure(1);
   arrays.t_begin[0] = f.t_begin;
-  arrays.t_end[0] = 1.0f;
+  arrays.t_end[0] = shutter_close;
   arrays.y[0] = f.y;
   arrays.rate[0] = f.rate;
   arrays.peak[0] = f.peak;
@@ -40,7 +41,7 @@ void push(MemberSet& members, FragmentArrays& arrays, const Fragment& f, const S
   members.push(arrays, 0, shade);
 }
 
-float mean_of(const IntervalMath& math, const Fragment& fragment, float begin, float end) {
+float mean_of(const IntervalMath& math, const Fragment& fragment, Ticks begin, Ticks end) {
   MemberSet members;
   FragmentArrays arrays;
   push(members, arrays, fragment, {});
@@ -70,10 +71,10 @@ double worst_ulps(const Mean& mean, int points) {
 TEST(IntervalMath, MeanIsWithin5UlpInEveryBuild) {
   ASSERT_GE(interval_math_builds().size(), 2u);
   for (const IntervalMath& math : interval_math_builds())
-    EXPECT_LE(
-        worst_ulps([&](float a, float span) { return mean_of(math, {.y = a, .rate = span}, 0.0f, 1.0f); },
-                   40000),
-        5.0)
+    EXPECT_LE(worst_ulps([&](float a,
+                             float span) { return mean_of(math, {.y = a, .rate = span}, 0, shutter_close); },
+                         40000),
+              5.0)
         << math.name;
 }
 
@@ -88,8 +89,8 @@ TEST(IntervalMath, TheCheckCatchesAPlainSquare) {
   EXPECT_GT(worst_ulps(plain, 40000), 20.0);
 }
 
-/// Fragments of any kind. What is rounded: the middle of the piece, by 2⁻²⁵, which is worth rate times that
-/// in y; its distance from t_begin and the product, each by ε of it; the sum, by ε|middle|; the span, by 2ε
+/// Fragments of any kind, and as brief as 2⁻²⁴ of the exposure wherever in it. What is rounded: the middle's
+/// distance from t_begin, by 2ε of it, and its product with the rate; the sum, by ε|middle|; the span, by 2ε
 /// of itself. The mean's logarithm changes by at most 2|y| per change of y, y being the farther end.
 TEST(IntervalMath, MeanMovesWithItsEndsRoundingAndNoMore) {
   Random random(2);
@@ -97,19 +98,19 @@ TEST(IntervalMath, MeanMovesWithItsEndsRoundingAndNoMore) {
     double worst = 0.0;
     for (int i = 0; i < 40000; ++i) {
       const double begin_y = uniform(random, -7.0, 3.0), end_y = uniform(random, begin_y, 7.0);
-      const float t_begin = static_cast<float>(uniform(random, 0.0, 0.9)),
-                  t_end = static_cast<float>(uniform(random, t_begin, 1.0));
-      if (!(t_end - t_begin > 1e-3f)) continue;
+      const Ticks duration = ticks_of(std::exp2(uniform(random, -24.0, 0.0)));
+      const auto between = [&](Ticks low, Ticks high) {
+        return std::uniform_int_distribution<Ticks>(low, high)(random);
+      };
+      const Ticks t_begin = between(0, shutter_close - duration), t_end = t_begin + duration;
       const Fragment f{.t_begin = t_begin,
                        .y = static_cast<float>(begin_y),
-                       .rate = static_cast<float>((end_y - begin_y) / (double{t_end} - t_begin))};
-      const float begin = static_cast<float>(uniform(random, t_begin, t_end)),
-                  end = static_cast<float>(uniform(random, begin, t_end));
-      const auto at = [&](float t) { return double{f.y} + double{f.rate} * (double{t} - double{f.t_begin}); };
+                       .rate = static_cast<float>((end_y - begin_y) / share_of(duration))};
+      const Ticks begin = between(t_begin, t_end), end = between(begin, t_end);
+      const auto at = [&](Ticks t) { return double{f.y} + double{f.rate} * share_of(t - f.t_begin); };
       const oracle::Exact exact = oracle::mean_gaussian(at(begin), at(end), oracle::Digits::quad);
       const double farther = std::max(std::abs(at(begin)), std::abs(at(end)));
-      const double moved =
-          0x1p-24 * (f.rate * (0.5 + 2 * (double{end} - f.t_begin)) + farther + 2 * (at(end) - at(begin)));
+      const double moved = 0x1p-24 * (3 * (at(end) - double{f.y}) + farther + 2 * (at(end) - at(begin)));
       const double bound =
           5.0 * oracle::ulp<float>(exact.high) + exact.high * std::expm1(2 * (farther + moved) * moved);
       worst = std::max(worst, oracle::error(mean_of(math, f, begin, end), exact) / bound);
@@ -136,14 +137,14 @@ TEST(IntervalMath, AllBuildsGiveTheSameBits) {
       for (float& channel : shade.rgba) channel = static_cast<float>(uniform(random, 0.0, 1.0));
       shade.depth_tolerance = static_cast<float>(uniform(random, 0.0, 0.1));
       push(members, arrays,
-           {static_cast<float>(uniform(random, 0.0, 0.2)), static_cast<float>(uniform(random, -7.0, 7.0)),
+           {ticks_of(uniform(random, 0.0, 0.2)), static_cast<float>(uniform(random, -7.0, 7.0)),
             static_cast<float>(uniform(random, 0.0, fastest)), static_cast<float>(uniform(random, 0.0, 1.0)),
             static_cast<float>(uniform(random, 1.0, 9.0)), static_cast<float>(uniform(random, -1.0, 1.0))},
            shade);
     }
     const Members view = members.view();
-    const float begin = static_cast<float>(uniform(random, 0.2, 0.9)),
-                end = random() % 4 ? static_cast<float>(uniform(random, begin, 1.0)) : begin;
+    const double from = uniform(random, 0.2, 0.9);
+    const Ticks begin = ticks_of(from), end = random() % 4 ? ticks_of(uniform(random, from, 1.0)) : begin;
     std::vector<float> first[3], mine[3];
     for (int a = 0; a < 3; ++a) {
       first[a].resize(view.padded);
@@ -163,13 +164,13 @@ TEST(IntervalMath, AllBuildsGiveTheSameBits) {
   }
 }
 
-/// A fragment that passes the pixel in less than its times' rounding: its y there may be anything up to rate
-/// · 2⁻²⁵, where exp's exponent once wrapped around.
+/// A fragment that passes the pixel within a tick: its y there may be anything up to rate · 2⁻³¹, where exp's
+/// exponent once wrapped around.
 TEST(IntervalMath, YFarOutOfRangeIsNothingSeen) {
   for (const IntervalMath& math : interval_math_builds())
     for (const float y : {9.0f, 9.31f, 13.0f, 20.0f, 22.0f, 1e3f, 1e15f, 1e30f})
       for (const float sign : {-1.0f, 1.0f}) {
-        const float mean = mean_of(math, {.y = sign * y}, 0.5f, 0.5f);
+        const float mean = mean_of(math, {.y = sign * y}, shutter_close / 2, shutter_close / 2);
         EXPECT_TRUE(mean >= 0.0f && mean <= std::exp(-80.0f)) << math.name << " " << y << " " << mean;
       }
 }
@@ -177,7 +178,7 @@ TEST(IntervalMath, YFarOutOfRangeIsNothingSeen) {
 TEST(IntervalMath, AtItsPeakAFragmentIsItsPeak) {
   for (const IntervalMath& math : interval_math_builds())
     for (const float peak : {1.0f, 0.3f, 0x1p-126f})
-      EXPECT_EQ(mean_of(math, {.peak = peak}, 0.25f, 0.75f), peak);
+      EXPECT_EQ(mean_of(math, {.peak = peak}, shutter_close / 4, shutter_close / 4 * 3), peak);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 namespace swept {
 namespace {
 
-/// A handful of float roundings on values of at most 1: sums of few terms, exp and erf good to 4 ulp, float
-/// times.
+/// A handful of float roundings on values of at most 1: sums of few terms, exp and erf good to 4 ulp, planted
+/// times in float.
 constexpr double few_roundings = 16 * 0x1p-24;
 
 struct Planted {
@@ -30,8 +30,8 @@ struct Planted {
     const std::size_t i = fragments.count++;
     fragments.pixel[i] = 0;
     fragments.kernel[i] = static_cast<std::uint32_t>(shades.size());
-    fragments.t_begin[i] = f.t_begin;
-    fragments.t_end[i] = f.t_end;
+    fragments.t_begin[i] = ticks_of(f.t_begin);
+    fragments.t_end[i] = ticks_of(f.t_end);
     fragments.y[i] = f.y;
     fragments.rate[i] = f.rate;
     fragments.peak[i] = f.peak;

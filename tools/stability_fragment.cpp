@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "abuffer/rasterize.h"
 #include "splat/kernel_integral.h"
 #include "splat/ray_kernel.h"
 #include "tests/oracle/hard_kernels.h"
@@ -19,16 +20,19 @@ using oracle::Exact;
 using oracle::Random;
 using oracle::uniform;
 
-template <class T>
-double integral_of(const RayFragment<T>& f) {
-  const T duration = f.t_end - f.t_begin;
+double integral_of(const RayFragment<double>& f) {
+  const double duration = f.t_end - f.t_begin;
   return interval_integral(f.peak, duration, f.y_begin, f.y_begin + f.rate * duration);
 }
 
-RayFragment<float> stored(const RayFragment<double>& f) {
-  return {static_cast<float>(f.t_begin), static_cast<float>(f.t_end), static_cast<float>(f.peak),
-          static_cast<float>(f.y_begin), static_cast<float>(f.rate),  static_cast<float>(f.z_begin),
-          static_cast<float>(f.z_rate)};
+/// As the A-buffer keeps it, in float; 0 if it does not.
+double kept_integral_of(const RayFragment<double>& f) {
+  FragmentArrays kept;
+  kept.ensure(1);
+  append(f, 0, 0, kept);
+  if (kept.count == 0) return 0.0;
+  const auto duration = static_cast<float>(share_of(kept.t_end[0] - kept.t_begin[0]));
+  return interval_integral(kept.peak[0], duration, kept.y[0], kept.y[0] + kept.rate[0] * duration);
 }
 
 /// ∫ρ over a fragment, of exact coordinates: in double, and in float after rounding the fragment, as the
@@ -54,9 +58,7 @@ std::vector<Row> fragment_rows(const oracle::HardCase* hard, std::size_t points,
     const bool hit = intersect_tube<double>(ray, 0.0, 1.0, oracle::near_depth, delta, 1.0, f);
     bool worst =
         in_double.add(hit ? integral_of(f) : 0.0, exact, oracle::ulp<double>(exact.high), 0.0, where);
-    const RayFragment<float> g = stored(f);
-    worst |= in_float.add(hit && g.t_begin < g.t_end ? integral_of(g) : 0.0, exact,
-                          oracle::ulp<float>(exact.high), 0.0, where);
+    worst |= in_float.add(hit ? kept_integral_of(f) : 0.0, exact, oracle::ulp<float>(exact.high), 0.0, where);
     if (check.wants(i, worst)) check.include(exact, integral(Digits::fifty), oracle::ulp<double>(exact.high));
     RayFragment<double> n{};
     double naive_integral = 0.0;

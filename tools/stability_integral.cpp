@@ -138,8 +138,9 @@ std::vector<Row> sweep_rows(const IntegralCase& hard, std::size_t points, std::u
       series[lane] = span <= 0.5f && span * std::abs(middle) <= 1.0f;
       ends[lane] = series[lane] ? std::pair{middle - 0.5 * double{span}, middle + 0.5 * double{span}}
                                 : std::pair{double{a}, double{a} + double{span}};
-      fragments.t_begin[0] = 0.0f;
-      fragments.t_end[0] = fragments.peak[0] = fragments.z[0] = 1.0f;
+      fragments.t_begin[0] = 0;
+      fragments.t_end[0] = shutter_close;
+      fragments.peak[0] = fragments.z[0] = 1.0f;
       fragments.y[0] = a;
       fragments.rate[0] = span;
       fragments.z_rate[0] = 0.0f;
@@ -147,7 +148,7 @@ std::vector<Row> sweep_rows(const IntegralCase& hard, std::size_t points, std::u
     }
     std::vector<std::array<float, member_lanes>> means(builds.size());
     for (std::size_t k = 0; k < builds.size(); ++k)
-      (void)builds[k].sum_over(members.view(), 0.0f, 1.0f, means[k].data());
+      (void)builds[k].sum_over(members.view(), 0, shutter_close, means[k].data());
     for (std::size_t lane = 0; lane < member_lanes; ++lane) {
       const auto [a, b] = ends[lane];
       const oracle::Exact exact = quad(a, b);

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <vector>
 
+#include "abuffer/rasterize.h"
 #include "abuffer/reference_frame.h"
 #include "abuffer/sweep.h"
 #include "tests/fuzz/check.h"
@@ -36,36 +37,26 @@ struct Pixel {
   /// As rasterize() keeps it, or not.
   void add(const Exact& f, const Shade& shade) {
     const double duration = f.t_end - f.t_begin;
-    const double rate = (f.y_end - f.y_begin) / duration, z_rate = (f.z_end - f.z_begin) / duration;
-    const auto t_begin = static_cast<float>(f.t_begin), t_end = static_cast<float>(f.t_end);
-    const auto peak = static_cast<float>(f.peak);
-    if (!(t_begin < t_end) || !(peak > 0.0f) || !(std::max({f.z_begin, std::abs(z_rate), rate}) <= 1e30))
-      return;
     fragments.ensure(1);
-    const std::size_t i = fragments.count++;
-    fragments.pixel[i] = 0;
-    fragments.kernel[i] = static_cast<std::uint32_t>(shades.size());
-    fragments.t_begin[i] = t_begin;
-    fragments.t_end[i] = t_end;
-    fragments.y[i] = static_cast<float>(f.y_begin);
-    fragments.rate[i] = static_cast<float>(rate);
-    fragments.peak[i] = peak;
-    fragments.z[i] = static_cast<float>(f.z_begin);
-    fragments.z_rate[i] = static_cast<float>(z_rate);
-    shades.push_back(shade);
+    append({f.t_begin, f.t_end, f.peak, f.y_begin, (f.y_end - f.y_begin) / duration, f.z_begin,
+            (f.z_end - f.z_begin) / duration},
+           0, static_cast<std::uint32_t>(shades.size()), fragments);
+    if (fragments.count > shades.size()) shades.push_back(shade);
   }
 
+  [[nodiscard]] double t_begin(std::size_t i) const { return share_of(fragments.t_begin[i]); }
+  [[nodiscard]] double t_end(std::size_t i) const { return share_of(fragments.t_end[i]); }
   [[nodiscard]] double y_at(std::size_t i, double t) const {
-    return fragments.y[i] + double{fragments.rate[i]} * (t - fragments.t_begin[i]);
+    return fragments.y[i] + double{fragments.rate[i]} * (t - t_begin(i));
   }
   [[nodiscard]] double z_at(std::size_t i, double t) const {
-    return fragments.z[i] + double{fragments.z_rate[i]} * (t - fragments.t_begin[i]);
+    return fragments.z[i] + double{fragments.z_rate[i]} * (t - t_begin(i));
   }
   [[nodiscard]] double tolerance(std::size_t i) const { return shades[i].depth_tolerance; }
   /// What depths are off by at the most, rounded and evaluated in float, and the sums and differences of two.
   [[nodiscard]] double depth_error(std::size_t i, std::size_t j) const {
     const auto largest = [&](std::size_t k) {
-      return std::max(std::abs(z_at(k, fragments.t_begin[k])), std::abs(z_at(k, fragments.t_end[k])));
+      return std::max(std::abs(z_at(k, t_begin(k))), std::abs(z_at(k, t_end(k))));
     };
     return 8 * unit_roundoff * (largest(i) + largest(j) + tolerance(i));
   }
@@ -76,14 +67,14 @@ std::vector<double> events_of(const Pixel& pixel) {
   std::vector<double> events;
   const FragmentArrays& f = pixel.fragments;
   for (std::size_t i = 0; i < f.count; ++i) {
-    events.insert(events.end(), {f.t_begin[i], f.t_end[i]});
+    events.insert(events.end(), {pixel.t_begin(i), pixel.t_end(i)});
     for (std::size_t j = 0; j < f.count; ++j) {
       const double rate = double{f.z_rate[j]} - f.z_rate[i], e = pixel.depth_error(i, j);
       if (i == j || rate == 0.0) continue;
       const double above = pixel.z_at(j, 0.0) - pixel.z_at(i, 0.0);
       for (const double level : {-e, e, pixel.tolerance(i) - e, pixel.tolerance(i) + e}) {
         const double t = (level - above) / rate;
-        if (std::max(f.t_begin[i], f.t_begin[j]) < t && t < std::min(f.t_end[i], f.t_end[j]))
+        if (std::max(pixel.t_begin(i), pixel.t_begin(j)) < t && t < std::min(pixel.t_end(i), pixel.t_end(j)))
           events.push_back(t);
       }
     }
@@ -153,7 +144,7 @@ Hull hull_between(const Pixel& pixel, double begin, double end) {
   std::vector<std::size_t> active;
   const FragmentArrays& f = pixel.fragments;
   for (std::size_t i = 0; i < f.count; ++i)
-    if (f.t_begin[i] <= begin && end <= f.t_end[i]) active.push_back(i);
+    if (pixel.t_begin(i) <= begin && end <= pixel.t_end(i)) active.push_back(i);
   if (active.empty()) {
     hull.include(Color::Zero());
     return hull;
@@ -169,7 +160,7 @@ Hull hull_between(const Pixel& pixel, double begin, double end) {
   double slope = 0.0, error = 0.0;
   for (const std::size_t i : active) {
     const double y = std::max(std::abs(pixel.y_at(i, begin)), std::abs(pixel.y_at(i, end)));
-    const double moved = f.rate[i] * (double{f.t_end[i]} - f.t_begin[i]);
+    const double moved = f.rate[i] * (pixel.t_end(i) - pixel.t_begin(i));
     slope = std::max(slope, 2.0 * y * f.rate[i]);
     error = std::max(error, (2.0 * y * 4.0 * (std::abs(f.y[i]) + moved) + 8.0) * unit_roundoff);
   }
@@ -225,8 +216,8 @@ void check(const Pixel& pixel, const Pixel& mirrored) {
     total.low += duration * hull.low;
     total.high += duration * hull.high;
   }
-  // The sweep's times are floats, and its shortest pieces 2⁻²⁰, of what follows an event.
-  const double late = static_cast<double>(events.size()) * (0x1p-20 + 2 * unit_roundoff);
+  // The sweep's times are ticks, and its shortest pieces 2⁻²⁰, of what follows an event.
+  const double late = static_cast<double>(events.size()) * (0x1p-20 + 2 * share_of(1));
   total.low -= late;
   total.high += late;
 
@@ -255,8 +246,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Exact f;
     f.t_begin = std::min(a, b);
     f.t_end = std::max(a, b);
-    // Brief ones begin or end between floats.
-    if (bytes.below(4) == 0) f.t_end = f.t_begin + (f.t_end - f.t_begin) * 0x1p-24;
+    // Brief ones begin or end between ticks.
+    if (bytes.below(4) == 0) f.t_end = f.t_begin + (f.t_end - f.t_begin) * 0x1p-28;
     f.y_begin = reach * (2.0 * std::min(y0, y1) - 1.0);
     f.y_end = reach * (2.0 * std::max(y0, y1) - 1.0);
     f.z_begin = std::max(std::abs(bytes.real()), 1e-3);
@@ -269,9 +260,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     shade.depth_tolerance = std::min(std::abs(bytes.real_float()), 1e30f);
     if (!(f.t_begin < f.t_end)) continue;
     pixel.add(f, shade);
-    // Exact: times are multiples of a power of two.
-    if (static_cast<float>(1.0 - f.t_begin) == 1.0 - f.t_begin &&
-        static_cast<float>(1.0 - f.t_end) == 1.0 - f.t_end)
+    // Exact: times are whole ticks.
+    if (share_of(ticks_of(f.t_begin)) == f.t_begin && share_of(ticks_of(f.t_end)) == f.t_end)
       mirrored.add({1.0 - f.t_end, 1.0 - f.t_begin, -f.y_end, -f.y_begin, f.z_end, f.z_begin, f.peak}, shade);
   }
   check(pixel, mirrored);
