@@ -31,7 +31,7 @@ class SurfaceStack {
   [[nodiscard]] const SurfaceModel& model() const { return model_; }
 
   /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
-  /// each keeps its members, and its sums' ratio stands for the ratio's integral. `active` must not be empty,
+  /// each keeps its members, and composite() can integrate its light. `active` must not be empty,
   /// and must outlive what follows unchanged.
   [[nodiscard]] Ticks build(MemberSet& active, Ticks begin, Ticks end, SweepCounters& counters);
 
@@ -50,7 +50,8 @@ class SurfaceStack {
  private:
   struct Surface {
     Members members;
-    MemberSum sum;
+    MemberSum sum = {};
+    bool linear = false;  ///< its coverage is nowhere clamped, so that its sums are its light
   };
 
   Ticks attempt(Ticks begin, Ticks end);
@@ -67,6 +68,7 @@ class SurfaceStack {
   std::vector<Surface> surfaces_;
   std::vector<MemberSet> parts_;  ///< members of the surfaces that are not all of active_
   std::size_t used_ = 0;
+  int points_ = 1;  ///< at which the piece is looked at; 1: its integrals stand for it
   float limit_ = 0.0f, margin_ = 0.0f, transmittance_ = 1.0f;
   std::vector<float> mean_, z_begin_, z_end_;
 };

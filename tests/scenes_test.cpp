@@ -30,11 +30,13 @@ struct Case {
   friend void PrintTo(const Case& scene, std::ostream* out) { *out << scene.name; }
 };
 
-constexpr Case cases[] = {
-    {"default", {7e-4, 5e-3, 0.18, 0.03, 3e-4, 4e-3}}, {"knot", {1.5e-3, 0.0, 0.3, 0.035, 1e-4, 2e-3}},
-    {"heads", {1.5e-3, 0.0, 0.35, 0.16, 0.035, 8e-3}}, {"page", {0.0, 0.0, 0.16, 0.0, 0.0, 0.0}},
-    {"overlap", {1e-3, 0.0, 0.2, 0.1, 0.03, 6e-3}},    {"both_ends", {3e-4, 0.0, 0.18, 0.025, 4e-3, 0.025}},
-    {"still", {7e-4, 0.0, 0.0, 0.0, 0.0, 0.0}}};
+constexpr Case cases[] = {{"default", {7e-4, 5e-3, 0.051, 0.03, 3e-4, 4e-3}},
+                          {"knot", {1.5e-3, 0.0, 0.17, 0.034, 2.4e-4, 2e-3}},
+                          {"heads", {1.5e-3, 0.0, 0.18, 0.17, 0.038, 8e-3}},
+                          {"page", {0.0, 0.0, 0.036, 0.0, 0.0, 0.0}},
+                          {"overlap", {1e-3, 0.0, 0.16, 0.094, 0.027, 6e-3}},
+                          {"both_ends", {3e-4, 0.0, 0.17, 0.021, 3.4e-3, 0.025}},
+                          {"still", {7e-4, 0.0, 0.0, 0.0, 0.0, 0.0}}};
 
 class GeneratedScene : public testing::TestWithParam<Case> {};
 

@@ -12,8 +12,9 @@ namespace swept::oracle {
 struct HardScene {
   std::string name;   ///< of files and tests: lower case, underscores
   std::string shows;  ///< what is to be seen
-  /// What the reference can tell: 80 dB, and 60 where discs, pixels or surfaces graze.
-  double required_db = 80.0;
+  /// 90, and 80 where discs, pixels or surfaces graze and where a passage takes less than the time between
+  /// two stills.
+  double required_db = 90.0;
   int samples = 1024;  ///< still images the reference needs for its own error to be well below that
   Scene (*make)() = nullptr;
 
