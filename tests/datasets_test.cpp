@@ -48,7 +48,8 @@ Disc disc(const swept::SurfelCloud& cloud, std::size_t i) {
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+  if (a.size() != b.size()) return false;
+  return a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 bool same_bits(const swept::SurfelCloud& a, const swept::SurfelCloud& b) {
