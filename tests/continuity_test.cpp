@@ -195,10 +195,8 @@ double largest_jump(float low, float high, const std::function<Image(float)>& im
   return jump;
 }
 
-/// What a piece's ratio of integrals may be off by: spans s and durations h with s² h ≤ 2⁻⁸, over which the
-/// weights' logarithms change by at most 2 √δ s each. The difference is at most their product by 48 times h
-/// for colours within [0, 1]: δ/12 · 2⁻⁸. Coverage is cut to 2⁻¹⁵.
-constexpr double piece_error = 3.0 / 12.0 * 0x1p-8 + 0x1p-15;
+/// What a piece may be off by: 2⁻¹² in the integral of its colour, and its coverage 2⁻¹⁵.
+constexpr double piece_error = 0x1p-12 + 0x1p-15;
 
 TEST(Continuity, OfTheImageInSpeed) {
   // Standing still to moving by 10⁻⁶ px, past a pixel, and past all pixels: every series, span and piece on
@@ -215,20 +213,27 @@ double counter(const Scene& scene, const std::string& counted) {
   return test::counter(*rendered, counted);
 }
 
-/// Where a piece is cut once more, or a fragment comes or goes.
-TEST(Continuity, OfTheImageInTheNumberOfPieces) {
-  const auto pieces = [](float speed) { return counter(few_discs(speed), "intervals"); };
+/// Where what is counted becomes another number.
+void step_where_it_changes(const std::string& counted) {
+  const auto count_at = [&](float speed) { return counter(few_discs(speed), counted); };
   int switches = 0;
   for (float low = 0.02f; low < 4.0f; low *= 1.3f) {
     const float high = 1.02f * low;
-    if (pieces(low) == pieces(high)) continue;
+    const double count = count_at(low);
+    if (count_at(high) == count) continue;
     ++switches;
-    const double count = pieces(low);
-    const auto [last, first] = switch_between(low, high, [&](float speed) { return pieces(speed) == count; });
+    const auto [last, first] =
+        switch_between(low, high, [&](float speed) { return count_at(speed) == count; });
     EXPECT_LE(farthest_apart(image_of(few_discs(last)), image_of(few_discs(first))), 2 * piece_error) << last;
   }
   EXPECT_GE(switches, 10);
 }
+
+/// Where a piece is cut once more, or a fragment comes or goes.
+TEST(Continuity, OfTheImageInTheNumberOfPieces) { step_where_it_changes("intervals"); }
+
+/// And where a piece is looked at in another number of points.
+TEST(Continuity, OfTheImageInTheNumberOfIntegrals) { step_where_it_changes("integrals"); }
 
 /// The very speed at which pixels are swept: still path on one side, events and integrals on the other. Sums
 /// of few floats in two orders, each of at most 1.
