@@ -33,10 +33,12 @@ class SurfaceModel {
   explicit SurfaceModel(const ImageModel& model, Normalisation normalisation = Normalisation::interval)
       : hard_(model.coverage == Coverage::hard),
         per_pixel_(normalisation == Normalisation::pixel),
-        edge_weight_(static_cast<float>(model.edge_weight)) {}
+        edge_weight_(static_cast<float>(model.edge_weight)),
+        delta_(static_cast<float>(model.delta)) {}
 
   [[nodiscard]] bool hard() const { return hard_; }
   [[nodiscard]] float edge_weight() const { return edge_weight_; }
+  [[nodiscard]] float delta() const { return delta_; }
 
   /// What the sums are multiplied by to give coverage times colour: min(1, Σρ/ρ_edge)/Σρ, or 1/Σρ.
   [[nodiscard]] float scale(const SurfaceSum& surface) const {
@@ -69,7 +71,7 @@ class SurfaceModel {
 
  private:
   bool hard_, per_pixel_;
-  float edge_weight_;
+  float edge_weight_, delta_;
 };
 
 }  // namespace swept

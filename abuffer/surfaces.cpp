@@ -35,13 +35,13 @@ constexpr int most_points = 3;
 /// two integrals (`points` 1), or by a rule of 2 or 3 points.
 ///
 /// With C the colour and W = Σρ, over a span s the three differ from the integral of ratios by at most
-/// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ. For δ = 3 and two
-/// kernels, one black and one white, C is a logistic function of up to 4√3 y; that gives the numbers below.
-/// Of n kernels the changes of C and W average out.
-float estimated_error(int points, float span, float duration, std::size_t kernels) {
-  const float square = span * span;
-  if (points == 1) return square * duration / static_cast<float>(kernels);
-  return duration * square * square * (points == 2 ? 0.07f : 0.023f * square);
+/// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ, and so for two
+/// kernels, one black and one white, C is a logistic function of up to 4√δ y. Of n kernels the changes of C
+/// and W average out.
+float estimated_error(int points, float span, float delta, float duration, std::size_t kernels) {
+  const float square = delta * span * span;
+  if (points == 1) return duration * square / (3.0f * static_cast<float>(kernels));
+  return duration * square * square * (points == 2 ? 7.6e-3f : 8.3e-4f * square);
 }
 
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
@@ -76,14 +76,15 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   if (count > 1) {
     const float duration = static_cast<float>(share_of(end - begin));
     const float span = range.max_rate * duration;
-    float error = estimated_error(points_, span, duration, count);
-    while (error > piece_error && points_ < most_points)
-      error = estimated_error(++points_, span, duration, count);
-    if (span > longest_span || error > piece_error) {
+    const auto suffices = [&](int points, float fraction) {
+      return estimated_error(points, fraction * span, model_.delta(), fraction * duration, count) <=
+             piece_error;
+    };
+    while (points_ < most_points && !suffices(points_, 1.0f)) ++points_;
+    if (span > longest_span || !suffices(points_, 1.0f)) {
       // A little less than the limit, so that rounding does not ask for the same again.
       float fraction = std::min(1.0f, 0.99f * longest_span / span);
-      while (estimated_error(points_, fraction * span, fraction * duration, count) > piece_error)
-        fraction *= 0.8f;
+      while (!suffices(points_, fraction)) fraction *= 0.8f;
       const Ticks cut = shorten(begin, end, fraction);
       if (cut < end) return cut;
     }
