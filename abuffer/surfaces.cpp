@@ -1,9 +1,12 @@
 #include "abuffer/surfaces.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "splat/kernel_integral.h"
 
 namespace swept {
 namespace {
@@ -65,7 +68,7 @@ Ticks SurfaceStack::build(MemberSet& active, Ticks begin, Ticks end, SweepCounte
 Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   const Members all = active_->view();
   const std::size_t count = all.count;
-  for (std::vector<float>* scratch : {&mean_, &z_begin_, &z_end_})
+  for (std::vector<float>* scratch : {&mean_, &at_ends_, &z_begin_, &z_end_})
     if (scratch->size() < all.padded) scratch->resize(2 * all.padded);
   surfaces_.clear();
   transmittance_ = 1.0f;
@@ -224,14 +227,15 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
     if (cut < end) return cut;
   }
 
-  const float at_begin = math_.sum_over(surface.members, begin, begin, mean_.data()).surface.weight;
-  const float at_end = math_.sum_over(surface.members, end, end, mean_.data()).surface.weight;
+  const float at_begin = math_.sum_over(surface.members, begin, begin, at_ends_.data()).surface.weight;
+  const float at_end = math_.sum_over(surface.members, end, end, at_ends_.data()).surface.weight;
   // The parabola with these ends and this mean has its extremum where Σρ has its own, if it has one within.
   const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
   const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
   const float vertex = -0.5f * slope / curvature;
   const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
   const float low = std::min({at_begin, extremum, at_end}), high = std::max({at_begin, extremum, at_end});
+  surface.linear = high <= edge;
   if (low >= edge || high <= edge) return end;
   // The mean of the clamped differs from the clamped mean by at most a quarter of the range, whatever its
   // shape.
@@ -242,13 +246,31 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
                  crosses ? std::clamp((edge - at_begin) / (at_end - at_begin), 0.1f, 0.9f) : 0.5f);
 }
 
+/// How far the mean of Σρz over [begin, end] lies from the members' means of ρ times their depths in the
+/// middle, which are what measure() has added up, and mean_ still holds.
+float SurfaceStack::depth_shift(const Members& members, Ticks begin, Ticks end) const {
+  const auto duration = static_cast<float>(share_of(end - begin));
+  float shift = 0.0f;
+  for (std::size_t k = 0; k < members.count; ++k) {
+    const double rate = members.field(member_rate)[k];
+    const float moved = members.field(member_z_rate)[k] * duration;
+    if (moved == 0.0f || rate == 0.0) continue;
+    const double since = share_of(begin - std::bit_cast<Ticks>(members.field(member_t_begin)[k]));
+    const double y_begin = members.field(member_y)[k] + rate * since;
+    shift += mean_[k] * moved * static_cast<float>(gaussian_centroid(y_begin, y_begin + rate * duration));
+  }
+  return shift;
+}
+
 void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters) {
   ++counters.intervals;
   const double duration = share_of(end - begin);
   const Surface& front = surfaces_.front();
   if (surfaces_.size() == 1 && (points_ == 1 || front.linear || front.members.count == 1)) {
     float transmittance = 1.0f;
-    model_.add(front.sum.surface, duration, transmittance, pixel);
+    SurfaceSum sum = front.sum.surface;
+    if (front.linear) sum.depth += depth_shift(front.members, begin, end);
+    model_.add(sum, duration, transmittance, pixel);
     counters.evaluations += front.members.count;
     return;
   }

@@ -58,6 +58,7 @@ class SurfaceStack {
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
   Ticks measure(Surface& surface, Ticks begin, Ticks end);
   Ticks shorten(Ticks begin, Ticks end, float fraction);
+  [[nodiscard]] float depth_shift(const Members& members, Ticks begin, Ticks end) const;
 
   SurfaceModel model_;
   IntervalMath math_;
@@ -70,7 +71,7 @@ class SurfaceStack {
   std::size_t used_ = 0;
   int points_ = 1;  ///< at which the piece is looked at; 1: its integrals stand for it
   float limit_ = 0.0f, margin_ = 0.0f, transmittance_ = 1.0f;
-  std::vector<float> mean_, z_begin_, z_end_;
+  std::vector<float> mean_, at_ends_, z_begin_, z_end_;
 };
 
 }  // namespace swept

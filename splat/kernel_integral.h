@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace swept {
@@ -260,6 +261,22 @@ template <class T>
 template <class T>
 [[nodiscard]] T interval_integral(T peak, T duration, T y_begin, T y_end) {
   return peak * (duration * mean_gaussian(y_begin, y_end));
+}
+
+/// Where between y_begin and y_end exp(−y²) has its weight: ∫(y − m) exp(−y²) dy / (s ∫exp(−y²) dy) in [−½,
+/// ½], m being the middle and s the span. Zero if the ends are equal. For |ends| ≤ 25, within 6·10⁻⁵, the
+/// series being cut off there.
+inline double gaussian_centroid(double y_begin, double y_end) {
+  const double span = y_end - y_begin, middle = 0.5 * (y_begin + y_end), x = middle * span;
+  const double x2 = x * x, s2 = span * span;
+  if (x2 <= 1.0 && span <= 0.5)
+    return -x / 6.0 *
+           (1.0 - (x2 + s2) / 15.0 + ((2.0 * x2 + 4.0 * s2) * x2 + 0.5 * s2 * s2) / 315.0 -
+            x2 * x2 * x2 / 1575.0);
+  const double mean = mean_gaussian(y_begin, y_end);
+  if (!(mean >= std::numeric_limits<double>::min())) return middle > 0.0 ? -0.5 : 0.5;
+  const double ends = std::exp(-y_begin * y_begin) - std::exp(-y_end * y_end);
+  return std::clamp((0.5 * ends / span - middle * mean) / (span * mean), -0.5, 0.5);
 }
 
 }  // namespace swept

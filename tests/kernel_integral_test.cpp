@@ -173,6 +173,30 @@ TEST(KernelIntegral, IsContinuousWithinItsBranches) {
   }
 }
 
+/// From a span of 10⁻⁹ on, for the oracle's difference to keep its digits, and on either side of the switch.
+TEST(KernelIntegral, CentroidIsWhereTheWeightIs) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  double worst = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const double span = std::exp2(-30.0 + 33.0 * unit(random));
+    double middle = 12.0 * (2.0 * unit(random) - 1.0);
+    if (i % 3 == 0) middle = (0.99 + 0.02 * unit(random)) / span;
+    const double a = middle - 0.5 * span, b = middle + 0.5 * span;
+    if (!(std::max(std::abs(a), std::abs(b)) <= 25.0)) continue;
+    const double centroid = gaussian_centroid(a, b);
+    worst = std::max(worst, std::abs(centroid - oracle::gaussian_centroid(a, b)));
+    ASSERT_EQ(centroid, -gaussian_centroid(-b, -a)) << a << " " << b;
+  }
+  EXPECT_LE(worst, 7e-5);
+  EXPECT_EQ(gaussian_centroid(2.0, 2.0), 0.0);
+  for (const double far : {30.0, 1e100, 1e300}) {
+    EXPECT_EQ(gaussian_centroid(far, 2.0 * far), -0.5);
+    EXPECT_EQ(gaussian_centroid(-2.0 * far, -far), 0.5);
+    EXPECT_LE(std::abs(gaussian_centroid(-far, far)), 0.5);
+  }
+}
+
 TEST(KernelIntegral, AnInstantIsTheGaussianItself) {
   for (double y = -26.5; y <= 26.5; y += 0.37) {
     EXPECT_LE(oracle::ulps(mean_gaussian(y, y), oracle::mean_gaussian(y, y)), 4.0) << y;

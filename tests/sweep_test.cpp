@@ -75,6 +75,22 @@ TEST(Sweep, ThinStreakHasTheClosedFormOfItsErf) {
   EXPECT_EQ(p.counters.intervals, 1u);
 }
 
+TEST(Sweep, DepthOfAThinStreakIsThatOfItsWeight) {
+  // ρ is greatest as it begins, where it is nearest: ∫ρ(1 + 2τ)/∫ρ, with ∫τρ = (1 − e^(−r²))/2r².
+  Planted p;
+  p.add({.y = 0.0f, .rate = 1.5f, .peak = 0.1f, .z = 1.0f, .z_rate = 2.0f}, red);
+  const double integral = 0.5 * std::sqrt(std::numbers::pi) * std::erf(1.5) / 1.5;
+  const double moment = (1.0 - std::exp(-2.25)) / (2.0 * 2.25);
+  const PixelSum pixel = p.sweep();
+  // The centroid's 7e-5 of the two units it moves by.
+  EXPECT_NEAR(pixel.depth / pixel.rgba[3], 1.0 + 2.0 * moment / integral, 2.0 * 7e-5);
+  // What covers all the pixel is seen as long wherever it is.
+  Planted all;
+  all.add({.y = 0.0f, .rate = 0.5f, .z = 1.0f, .z_rate = 2.0f}, red);
+  const PixelSum covered = all.sweep();
+  EXPECT_NEAR(covered.depth / covered.rgba[3], 2.0, few_roundings);
+}
+
 TEST(Sweep, CoverageIsClampedWithinAPiece) {
   // ρ = exp(−y²), y from −1.5 to 1.5; min(1, 2ρ) is 1 for |y| ≤ √ln 2.
   Planted p;

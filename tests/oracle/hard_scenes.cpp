@@ -330,7 +330,7 @@ const std::vector<HardScene>& hard_scenes() {
        zero_axis},
       {"parallel_axes", "discs with parallel axes, which show nothing, before a surface", 90, 1024,
        parallel_axes},
-      {"enormous_axes", "discs of radius 1e9 and 1e20 behind a surface", 90, 1024, enormous_axes},
+      {"enormous_axes", "discs of radius 1e9 and 1e20 behind a surface", 90, 1024, enormous_axes, 5e-3},
       {"far_from_origin", "motion_in_plane, 5,000 km from the origin", 90, 1024, survey},
       {"tangent", "discs whose rims run through pixel centres, hard edges", 80, 4096, tangent},
       {"coincident", "two surfaces in one place, red and chequered", 90, 1024, coincident},

@@ -126,6 +126,12 @@ double quadrature_disagreement(double a, double b) {
   return Fifty(abs(quadrature_mean(a, b) / closed - 1)).convert_to<double>();
 }
 
+double gaussian_centroid(double a, double b) {
+  const Fifty from = a, to = b, span = to - from, middle = (from + to) / 2;
+  const Fifty first = (exp(-from * from) - exp(-to * to)) / (2 * span), mean = closed_mean<Fifty>(from, to);
+  return Fifty((first - middle * mean) / (span * mean)).convert_to<double>();
+}
+
 Ray along(const MovingKernel& kernel, double x, double y, Digits digits) {
   return digits == Digits::quad ? along_as<Quad>(kernel, x, y) : along_as<Fifty>(kernel, x, y);
 }
