@@ -263,9 +263,9 @@ template <class T>
   return peak * (duration * mean_gaussian(y_begin, y_end));
 }
 
-/// Where between y_begin and y_end exp(−y²) has its weight: ∫(y − m) exp(−y²) dy / (s ∫exp(−y²) dy) in [−½,
-/// ½], m being the middle and s the span. Zero if the ends are equal. For |ends| ≤ 25, within 6·10⁻⁵, the
-/// series being cut off there.
+/// Where between y_begin and y_end exp(−y²) has its weight: ∫(y − m) exp(−y²) dy / (s ∫exp(−y²) dy) in
+/// [−½, ½], m being the middle and s the span. Zero if the ends are equal; the nearer end where exp(−y²)
+/// underflows. Else within 7·10⁻⁵, where a series in x = m s, Langevin's function, and in s² takes over.
 inline double gaussian_centroid(double y_begin, double y_end) {
   const double span = y_end - y_begin, middle = 0.5 * (y_begin + y_end), x = middle * span;
   const double x2 = x * x, s2 = span * span;
