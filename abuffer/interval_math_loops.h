@@ -57,12 +57,13 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, Ticks begin, Ti
   const float *t = members.field(member_t_begin), *z = members.field(member_z),
               *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
               *speed = members.field(member_rate);
+  const float duration = static_cast<float>(share_of(end - begin));
   constexpr float beyond = std::numeric_limits<float>::max();
   Lanes min_begin = all(beyond), min_end = min_begin, min_tolerance = min_begin;
   Lanes max_begin = all(-beyond), max_end = max_begin, max_tolerance = all(0.0f), max_rate = max_tolerance;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const Lanes depth = load(z + i), rate = load(z_rate + i);
-    const Lanes at_begin = depth + rate * since(begin, t + i), at_end = depth + rate * since(end, t + i);
+    const Lanes at_begin = depth + rate * since(begin, t + i), at_end = at_begin + rate * duration;
     const Lanes reach = load(tolerance + i);
     store(at_begin, z_begin + i);
     store(at_end, z_end + i);
@@ -79,22 +80,18 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, Ticks begin, Ti
           smallest(min_tolerance), largest(max_tolerance), largest(max_rate)};
 }
 
-/// Where the series does not hold. Ends in double, which has the digits that y² asks for.
-[[gnu::noinline]] void long_means(const Members& members, Ticks begin, Ticks end, float* mean) {
+/// For the eight members from `first` on, where the series does not hold. Ends in double, which has the
+/// digits that y² asks for.
+[[gnu::noinline]] void long_means(const Members& members, std::size_t first, Ticks begin, Ticks end,
+                                  const Lanes& reach, float* mean) {
   const float *t = members.field(member_t_begin), *y = members.field(member_y),
               *rate = members.field(member_rate), *peak = members.field(member_peak);
-  const float duration = static_cast<float>(share_of(end - begin));
-  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
-    const Lanes speed = load(rate + i);
-    const Lanes middle = within_exp(load(y + i) + speed * (since(begin, t + i) + 0.5f * duration));
-    const Lanes reach = series_reach(middle, speed * duration);
-    for (std::size_t k = i; k < std::min(i + member_lanes, members.count); ++k) {
-      if (reach[k - i] <= 1.0f) continue;
-      const auto y_at = [&](Ticks time) {
-        return y[k] + double{rate[k]} * share_of(time - std::bit_cast<Ticks>(t[k]));
-      };
-      mean[k] = peak[k] * mean_gaussian_as<float>(y_at(begin), y_at(end));
-    }
+  for (std::size_t k = first; k < std::min(first + member_lanes, members.count); ++k) {
+    if (reach[k - first] <= 1.0f) continue;
+    const auto y_at = [&](Ticks time) {
+      return y[k] + double{rate[k]} * share_of(time - std::bit_cast<Ticks>(t[k]));
+    };
+    mean[k] = peak[k] * mean_gaussian_as<float>(y_at(begin), y_at(end));
   }
 }
 
@@ -103,34 +100,30 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, Ticks begin, Ticks 
               *rate = members.field(member_rate), *peak = members.field(member_peak),
               *z = members.field(member_z), *z_rate = members.field(member_z_rate);
   const float duration = static_cast<float>(share_of(end - begin)), half = 0.5f * duration;
-  Lanes reach = all(0.0f);
-  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
-    const LaneBits present = lanes_below(members.count - i);
-    const Lanes speed = only(present, load(rate + i)), span = speed * duration;
-    const Lanes middle = within_exp(load(y + i) + speed * (since(begin, t + i) + half));
-    store(only(present, load(peak + i)) * exp_minus_square(middle) *
-              GaussianSeries<float>::factor(middle, span),
-          mean + i);
-    reach = larger(reach, series_reach(middle, span));
-  }
-  if (largest(reach) > 1.0f) long_means(members, begin, end, mean);
-
   const float *red_of = members.field(member_red), *green_of = members.field(member_green),
               *blue_of = members.field(member_blue), *alpha_of = members.field(member_alpha);
   Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,
         variation = weight, peaks = weight, widest = weight;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneBits present = lanes_below(members.count - i);
-    const Lanes m = load(mean + i), speed = only(present, load(rate + i)), span = speed * duration;
+    const Lanes speed = only(present, load(rate + i)), span = speed * duration;
     const Lanes to_middle = since(begin, t + i) + half;
-    const Lanes middle = load(y + i) + speed * to_middle;
+    const Lanes middle = load(y + i) + speed * to_middle, of_exp = within_exp(middle);
+    const Lanes highest = only(present, load(peak + i));
+    Lanes m = highest * exp_minus_square(of_exp) * GaussianSeries<float>::factor(of_exp, span);
+    store(m, mean + i);
+    const Lanes reach = series_reach(of_exp, span);
+    if (largest(reach) > 1.0f) {
+      long_means(members, i, begin, end, reach, mean);
+      m = load(mean + i);
+    }
     weight += m;
     red += m * load(red_of + i);
     green += m * load(green_of + i);
     blue += m * load(blue_of + i);
     alpha += m * load(alpha_of + i);
     depth += m * (load(z + i) + load(z_rate + i) * to_middle);
-    peaks += only(present, load(peak + i));
+    peaks += highest;
     // With x = s|m| the mean is at most exp(−m²) sinh(x)/x, and the least value, at an end, exp(−m² − x −
     // s²/4): they differ by at most the mean times x + s²/4 + x²/6, for 1 − e⁻ᵃ x/sinh x ≤ a + x²/6.
     const Lanes x = span * magnitude(middle);

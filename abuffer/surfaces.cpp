@@ -21,7 +21,7 @@ constexpr Ticks shortest_interval = shutter_close >> 20;
 /// surface: as far as the sums' series reaches.
 constexpr float longest_span = 0.5f;
 
-/// What a piece may be off by in the image, as estimated_error() has it.
+/// What a piece may be off by in the image.
 constexpr float piece_error = 0x1p-12f;
 
 /// Gauss-Legendre on [0, 1].
@@ -34,17 +34,19 @@ constexpr GaussRule gauss_rules[] = {
     {3, {0.11270166537925831, 0.5, 0.88729833462074169}, {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0}}};
 constexpr int most_points = 3;
 
-/// How far the integral of a surface's colour over a piece may be off, in the image: taken as the ratio of
-/// two integrals (`points` 1), or by a rule of 2 or 3 points.
+/// At how many points a piece has to be looked at for the integral of a surface's colour: 1 for the ratio of
+/// two integrals, 2 or 3 for Gauss's, more for a piece that is too long.
 ///
 /// With C the colour and W = Σρ, over a span s the three differ from the integral of ratios by at most
 /// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ, and so for two
 /// kernels, one black and one white, C is a logistic function of up to 4√δ y. Of n kernels the changes of C
 /// and W average out.
-float estimated_error(int points, float span, float delta, float duration, std::size_t kernels) {
+int points_for(float span, float duration, float delta, std::size_t kernels) {
   const float square = delta * span * span;
-  if (points == 1) return duration * square / (3.0f * static_cast<float>(kernels));
-  return duration * square * square * (points == 2 ? 7.6e-3f : 8.3e-4f * square);
+  if (duration * square <= 3.0f * piece_error * static_cast<float>(kernels)) return 1;
+  const float fourth = duration * square * square;
+  if (7.6e-3f * fourth <= piece_error) return 2;
+  return 8.3e-4f * fourth * square <= piece_error ? 3 : 4;
 }
 
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
@@ -79,17 +81,15 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   if (count > 1) {
     const float duration = static_cast<float>(share_of(end - begin));
     const float span = range.max_rate * duration;
-    const auto suffices = [&](int points, float fraction) {
-      return estimated_error(points, fraction * span, model_.delta(), fraction * duration, count) <=
-             piece_error;
-    };
-    while (points_ < most_points && !suffices(points_, 1.0f)) ++points_;
-    if (span > longest_span || !suffices(points_, 1.0f)) {
+    points_ = points_for(span, duration, model_.delta(), count);
+    if (span > longest_span || points_ > most_points) {
       // A little less than the limit, so that rounding does not ask for the same again.
       float fraction = std::min(1.0f, 0.99f * longest_span / span);
-      while (!suffices(points_, fraction)) fraction *= 0.8f;
+      while (points_for(fraction * span, fraction * duration, model_.delta(), count) > most_points)
+        fraction *= 0.8f;
       const Ticks cut = shorten(begin, end, fraction);
       if (cut < end) return cut;
+      points_ = most_points;
     }
   }
   // A member's height above the lower envelope of all is convex in time, so it is largest at an end.
@@ -251,12 +251,14 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
 float SurfaceStack::depth_shift(const Members& members, Ticks begin, Ticks end) const {
   const auto duration = static_cast<float>(share_of(end - begin));
   float shift = 0.0f;
+  const float *t = members.field(member_t_begin), *y = members.field(member_y),
+              *rates = members.field(member_rate), *z_rate = members.field(member_z_rate);
   for (std::size_t k = 0; k < members.count; ++k) {
-    const double rate = members.field(member_rate)[k];
-    const float moved = members.field(member_z_rate)[k] * duration;
+    const double rate = rates[k];
+    const float moved = z_rate[k] * duration;
     if (moved == 0.0f || rate == 0.0) continue;
-    const double since = share_of(begin - std::bit_cast<Ticks>(members.field(member_t_begin)[k]));
-    const double y_begin = members.field(member_y)[k] + rate * since;
+    const double since = share_of(begin - std::bit_cast<Ticks>(t[k]));
+    const double y_begin = y[k] + rate * since;
     shift += mean_[k] * moved * static_cast<float>(gaussian_centroid(y_begin, y_begin + rate * duration));
   }
   return shift;

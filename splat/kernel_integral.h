@@ -270,9 +270,9 @@ inline double gaussian_centroid(double y_begin, double y_end) {
   const double span = y_end - y_begin, middle = 0.5 * (y_begin + y_end), x = middle * span;
   const double x2 = x * x, s2 = span * span;
   if (x2 <= 1.0 && span <= 0.5)
-    return -x / 6.0 *
-           (1.0 - (x2 + s2) / 15.0 + ((2.0 * x2 + 4.0 * s2) * x2 + 0.5 * s2 * s2) / 315.0 -
-            x2 * x2 * x2 / 1575.0);
+    return x * (-1.0 / 6.0) *
+           (1.0 - (x2 + s2) * (1.0 / 15.0) + ((2.0 * x2 + 4.0 * s2) * x2 + 0.5 * s2 * s2) * (1.0 / 315.0) -
+            x2 * x2 * x2 * (1.0 / 1575.0));
   const double mean = mean_gaussian(y_begin, y_end);
   if (!(mean >= std::numeric_limits<double>::min())) return middle > 0.0 ? -0.5 : 0.5;
   const double ends = std::exp(-y_begin * y_begin) - std::exp(-y_end * y_end);
