@@ -185,7 +185,7 @@ TEST(KernelIntegral, CentroidIsWhereTheWeightIs) {
     const double a = middle - 0.5 * span, b = middle + 0.5 * span;
     if (!(std::max(std::abs(a), std::abs(b)) <= 25.0)) continue;
     const double centroid = gaussian_centroid(a, b);
-    worst = std::max(worst, std::abs(centroid - oracle::gaussian_centroid(a, b)));
+    worst = std::max(worst, oracle::error(centroid, oracle::gaussian_centroid(a, b)));
     ASSERT_EQ(centroid, -gaussian_centroid(-b, -a)) << a << " " << b;
   }
   EXPECT_LE(worst, 7e-5);

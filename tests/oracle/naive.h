@@ -18,6 +18,14 @@ template <class T>
   return T(0.5) / std::numbers::inv_sqrtpi_v<T> * (std::erf(y_end) - std::erf(y_begin)) / (y_end - y_begin);
 }
 
+/// Where in [y_begin, y_end] exp(−y²) has its weight, from the middle in units of the span, by the two
+/// integrals.
+[[nodiscard]] inline double gaussian_centroid(double y_begin, double y_end) {
+  const double span = y_end - y_begin, mean = mean_gaussian(y_begin, y_end);
+  const double first = (std::exp(-y_begin * y_begin) - std::exp(-y_end * y_end)) / (2.0 * span);
+  return (first / mean - 0.5 * (y_begin + y_end)) / span;
+}
+
 /// The tube by the textbook quadratic, the peak by (b·b)(f·f) − (b·f)², time measured from the segment's
 /// middle.
 template <class T>

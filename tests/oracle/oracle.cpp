@@ -126,10 +126,19 @@ double quadrature_disagreement(double a, double b) {
   return Fifty(abs(quadrature_mean(a, b) / closed - 1)).convert_to<double>();
 }
 
-double gaussian_centroid(double a, double b) {
-  const Fifty from = a, to = b, span = to - from, middle = (from + to) / 2;
-  const Fifty first = (exp(-from * from) - exp(-to * to)) / (2 * span), mean = closed_mean<Fifty>(from, to);
-  return Fifty((first - middle * mean) / (span * mean)).convert_to<double>();
+namespace {
+
+template <class R>
+Exact centroid_as(R a, R b) {
+  const R span = b - a, middle = (a + b) / 2, mean = closed_mean<R>(a, b);
+  const R ends = (exp(-a * a) - exp(-b * b)) / (2 * span);
+  return round_off(R((ends - middle * mean) / (span * mean)));
+}
+
+}  // namespace
+
+Exact gaussian_centroid(double a, double b, Digits digits) {
+  return digits == Digits::quad ? centroid_as<Quad>(a, b) : centroid_as<Fifty>(a, b);
 }
 
 Ray along(const MovingKernel& kernel, double x, double y, Digits digits) {

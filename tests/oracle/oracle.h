@@ -29,8 +29,9 @@ enum class Digits { quad, fifty };
 /// min(|a|, |b|) < 27 or opposite signs.
 [[nodiscard]] double quadrature_disagreement(double a, double b);
 
-/// Where in [a, b] the weight exp(−y²) has its centre: from the middle, in units of b − a. Requires a < b.
-[[nodiscard]] double gaussian_centroid(double a, double b);
+/// Where in [a, b] the weight exp(−y²) has its centre: from the middle, in units of b − a. Requires a < b. A
+/// difference that loses as many digits as 1/(b − a)² has.
+[[nodiscard]] Exact gaussian_centroid(double a, double b, Digits digits = Digits::fifty);
 
 /// Coordinates along the ray (x, y, 1), by Cramer's rule on o + s d = c + u a₁ + v a₂.
 struct Ray {
