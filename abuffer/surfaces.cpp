@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "abuffer/time_rule.h"
 #include "splat/kernel_integral.h"
 
 namespace swept {
@@ -20,34 +21,6 @@ constexpr Ticks shortest_interval = shutter_close >> 20;
 /// How far a kernel may move along its line, in units of y, in one piece where several kernels share a
 /// surface: as far as the sums' series reaches.
 constexpr float longest_span = 0.5f;
-
-/// What a piece may be off by in the image.
-constexpr float piece_error = 0x1p-12f;
-
-/// Gauss-Legendre on [0, 1].
-struct GaussRule {
-  int points;
-  double place[3], weight[3];
-};
-constexpr GaussRule gauss_rules[] = {
-    {2, {0.21132486540518712, 0.78867513459481288}, {0.5, 0.5}},
-    {3, {0.11270166537925831, 0.5, 0.88729833462074169}, {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0}}};
-constexpr int most_points = 3;
-
-/// At how many points a piece has to be looked at for the integral of a surface's colour: 1 for the ratio of
-/// two integrals, 2 or 3 for Gauss's, more for a piece that is too long.
-///
-/// With C the colour and W = Σρ, over a span s the three differ from the integral of ratios by at most
-/// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ, and so for two
-/// kernels, one black and one white, C is a logistic function of up to 4√δ y. Of n kernels the changes of C
-/// and W average out.
-int points_for(float span, float duration, float delta, std::size_t kernels) {
-  const float square = delta * span * span;
-  if (duration * square <= 3.0f * piece_error * static_cast<float>(kernels)) return 1;
-  const float fourth = duration * square * square;
-  if (7.6e-3f * fourth <= piece_error) return 2;
-  return 8.3e-4f * fourth * square <= piece_error ? 3 : 4;
-}
 
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
 constexpr float coverage_error = 0x1p-15f;
@@ -278,7 +251,7 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
   }
   // Of several surfaces the light that one lets through and what the next one covers change together, and the
   // product of their means is not the mean of their product.
-  const GaussRule& rule = gauss_rules[points_ == 3 ? 1 : 0];
+  const GaussRule& rule = gauss_rule(points_);
   for (int i = 0; i < rule.points; ++i) {
     const Ticks time = begin + static_cast<Ticks>(rule.place[i] * (end - begin) + 0.5);
     float transmittance = 1.0f;
