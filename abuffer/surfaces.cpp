@@ -181,9 +181,8 @@ Ticks SurfaceStack::shorten(Ticks begin, Ticks end, float fraction) {
   return cut;
 }
 
-/// Sums the last surface over [begin, end] and takes its light. Returns `end`, or the sooner time to which
-/// the piece has to be shortened for the sums' ratio to stand for the ratio's integral. `alone`: nothing lies
-/// behind.
+/// Sums a surface over [begin, end] and takes its light. Returns `end`, or the sooner time to which the piece
+/// has to be shortened for its mean weight to tell how much of it is clamped.
 Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
   surface.sum = math_.sum_over(surface.members, begin, end, mean_.data());
   const float scale = model_.scale(surface.sum.surface);
