@@ -252,7 +252,7 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
   // product of their means is not the mean of their product.
   const GaussRule& rule = gauss_rule(points_);
   for (int i = 0; i < rule.points; ++i) {
-    const Ticks time = begin + static_cast<Ticks>(rule.place[i] * (end - begin) + 0.5);
+    const Ticks time = begin + ticks_of(rule.place[i] * duration);
     float transmittance = 1.0f;
     for (const Surface& surface : surfaces_) {
       const SurfaceSum sum = math_.sum_over(surface.members, time, time, mean_.data()).surface;

@@ -15,7 +15,8 @@ inline constexpr float per_tick = 0x1p-30f;
 
 /// The nearest, for `t_shutter` in [0, 1].
 [[nodiscard]] inline Ticks ticks_of(double t_shutter) {
-  return static_cast<Ticks>(t_shutter * shutter_close + 0.5);
+  const auto halves = static_cast<std::int64_t>(t_shutter * (2.0 * shutter_close));
+  return static_cast<Ticks>((halves + 1) / 2);
 }
 /// As a share of the exposure, exactly.
 [[nodiscard]] inline double share_of(Ticks ticks) { return ticks * double{per_tick}; }
