@@ -1,6 +1,7 @@
 // How far an image is from the reference.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
