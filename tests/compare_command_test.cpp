@@ -1,46 +1,25 @@
-#include "tools/compare_command.h"
-
-#include <algorithm>
+// swept compare, as a command.
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
 #include "splat/io/image_file.h"
+#include "tests/command.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
 namespace {
 
+using test::Outcome;
 using test::TemporaryFolder;
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-Outcome run(std::vector<std::string> arguments) {
-  CLI::App app;
-  Outcome outcome;
-  add_compare_command(app, outcome.exit_code);
-  arguments.insert(arguments.begin(), "compare");
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants a vector
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  try {
-    app.parse(arguments);
-  } catch (const CLI::ParseError& bad) {
-    outcome.exit_code = 2;
-    outcome.err = bad.what();
-  }
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err += testing::internal::GetCapturedStderr();
-  return outcome;
+Outcome run(const std::vector<std::string>& arguments) {
+  std::string line = SWEPT_COMMAND " compare";
+  for (const std::string& argument : arguments) line += " '" + argument + "'";
+  return test::run_command(line);
 }
 
 class CompareCommand : public testing::Test {
