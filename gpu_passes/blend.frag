@@ -14,9 +14,12 @@ void main() {
   if (!intersect(line_along(offset), fragment)) discard;
   bool front = visible(fragment);
   if (!front && edge_weight == 0.0) discard;
-  float integral = fragment.peak * fragment.duration * mean_gaussian(fragment.y_begin, fragment.y_end);
+  float mean = mean_gaussian(fragment.y_begin, fragment.y_end);
+  float integral = fragment.peak * fragment.duration * mean;
   vec4 value = integral * vec4(color.rgb, 1.0);
-  float depth = integral * 0.5 * (fragment.z_begin + fragment.z_end);
+  // Soft coverage is where the weight is, hard coverage the same at all times.
+  float place = edge_weight > 0.0 ? gaussian_centroid(fragment.y_begin, fragment.y_end, mean) : 0.0;
+  float depth = integral * mix(fragment.z_begin, fragment.z_end, 0.5 + place);
   color_sum = front ? value : vec4(0.0);
   behind_sum = front ? vec4(0.0) : value;
   depth_sum = front ? vec2(depth, 0.0) : vec2(0.0, depth);

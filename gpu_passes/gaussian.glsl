@@ -68,3 +68,20 @@ float mean_gaussian(float y_begin, float y_end) {
 }
 
 #endif
+
+// Where between y_begin and y_end, in [-1/2, 1/2], exp(-y*y) has its weight, `mean` being its mean there; as
+// gaussian_centroid() in splat/kernel_integral.h.
+float gaussian_centroid(float y_begin, float y_end, float mean) {
+  float span = y_end - y_begin;
+  float middle = 0.5 * (y_begin + y_end);
+  float x = middle * span;
+  float x2 = x * x;
+  float s2 = span * span;
+  if (x2 <= 1.0 && span <= 0.5)
+    return x * (-1.0 / 6.0) *
+           (1.0 - (x2 + s2) * (1.0 / 15.0) + ((2.0 * x2 + 4.0 * s2) * x2 + 0.5 * s2 * s2) * (1.0 / 315.0) -
+            x2 * x2 * x2 * (1.0 / 1575.0));
+  if (!(mean > 0.0)) return 0.0;
+  float ends = exp(-y_begin * y_begin) - exp(-y_end * y_end);
+  return clamp((0.5 * ends / span - middle * mean) / (span * mean), -0.5, 0.5);
+}

@@ -18,6 +18,9 @@
 // kernel sum. It is exact where nothing moves. What a soft edge leaves of T shows the hidden kernels, all of
 // them mixed into one surface with a coverage of the same form, and then the background: exact where nothing
 // moves and one surface lies behind. Hard coverage leaves nothing of T, and is the paper's.
+//
+// A kernel's depth is where its weight is, with soft coverage, so that what is nowhere clamped has the exact
+// image's depth; with hard coverage that in the middle of its interval.
 #pragma once
 
 #include <cstddef>

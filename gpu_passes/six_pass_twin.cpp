@@ -102,11 +102,13 @@ TwinTargets twin_passes(const KernelSet& set, const Scene& scene, GpuMethod meth
         targets.latest[pixel] = std::max(targets.latest[pixel], f.t_end);
       }
       // Pass 5.
-      const double integral = f.peak * duration * mean_gaussian(f.y_begin, f.y_begin + f.rate * duration);
+      const double y_end = f.y_begin + f.rate * duration;
+      const double integral = f.peak * duration * mean_gaussian(f.y_begin, y_end);
+      const double place = hard ? 0.0 : gaussian_centroid(f.y_begin, y_end);
       double* sum = (visible ? targets.color_sum : targets.behind_sum).data() + 4 * pixel;
       for (int c = 0; c < 3; ++c) sum[c] += integral * static_cast<double>(kernel.color[c]);
       sum[3] += integral;
-      targets.depth_sum[2 * pixel + (visible ? 0 : 1)] += integral * 0.5 * (f.z_begin + z_end);
+      targets.depth_sum[2 * pixel + (visible ? 0 : 1)] += integral * std::lerp(f.z_begin, z_end, 0.5 + place);
     });
   }
   return targets;

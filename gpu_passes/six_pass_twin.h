@@ -18,8 +18,8 @@ struct TwinTargets {
   std::vector<double> earliest, latest;
   std::vector<double> color_sum;   ///< 4 per pixel: Σ I w, Σ I
   std::vector<double> behind_sum;  ///< the same of hidden kernels; 0 for hard coverage
-  /// 2 per pixel: Σ I z of visible and of hidden kernels, z being the depth at the middle of the kernel's
-  /// interval.
+  /// 2 per pixel: Σ I z of visible and of hidden kernels, z being the kernel's depth in the middle
+  /// of its interval; for soft coverage where it has its weight.
   std::vector<double> depth_sum;
 };
 

@@ -210,6 +210,30 @@ TEST_F(GpuImage, TheClampedMotionChangesThePicture) {
   EXPECT_LT(psnr(bent, plain->image) + 40.0, psnr(straight, plain->image));
 }
 
+/// A thin disc flies past and towards the eye: half of its pixels have it only at an end of the exposure,
+/// where its weight is at an end of the interval.
+TEST_F(GpuImage, DepthIsWhereTheWeightIs) {
+  Scene scene;
+  scene.film = {48, 32, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats.emplace_back();
+  scene.camera.look_ats.back().eye.z() = 4.0;
+  scene.background.setZero();
+  Object& object = scene.objects.emplace_back();
+  object.cloud.keys.push_back({0.0, {{{-0.2, 0, 0}}, {{0.4f, 0, 0}}, {{0, 0.4f, 0}}}});
+  object.cloud.velocity = {{0.4f, 0.1f, 2.0f}};
+  scene.model.edge_weight = 1.0;  // no more than the disc's own: nothing is clamped
+  const Image exact = render_cpu(scene);
+  const Image image = render(scene, six(1));
+  std::size_t covered = 0;
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    if (!(exact.rgba[4 * p + 3] > 1e-3f)) continue;
+    ++covered;
+    ASSERT_NEAR(image.depth[p], exact.depth[p], 1e-4f * exact.depth[p]) << p;
+  }
+  EXPECT_GT(covered, 100u);
+}
+
 TEST(Subframes, AreChosenFromTheMotion) {
   Scene scene = spheres();
   const auto chosen = [&](const GpuRenderOptions& options) { return Subframes(scene, options).count(); };
