@@ -82,8 +82,8 @@ SWEPT_INLINE DepthRange depths_over_text(const Members& members, Ticks begin, Ti
 
 /// For the eight members from `first` on, where the series does not hold. Ends in double, which has the
 /// digits that y² asks for.
-[[gnu::noinline]] void long_means(const Members& members, std::size_t first, Ticks begin, Ticks end,
-                                  const Lanes& reach, float* mean) {
+[[gnu::noinline]] inline void long_means(const Members& members, std::size_t first, Ticks begin, Ticks end,
+                                         const Lanes& reach, float* mean) {
   const float *t = members.field(member_t_begin), *y = members.field(member_y),
               *rate = members.field(member_rate), *peak = members.field(member_peak);
   for (std::size_t k = first; k < std::min(first + member_lanes, members.count); ++k) {

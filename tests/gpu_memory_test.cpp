@@ -8,8 +8,10 @@
 #include "gpu_frames.h"
 
 // AddressSanitizer holds back 256 MB of what is freed, which looks like a leak to these tests.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "quarantine_size_mb=1"; }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace swept {
 namespace {

@@ -6,6 +6,10 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
+// clang-tidy reads what GCC compiles, without this header of GCC's.
+#if defined(SWEPT_QUADMATH) && !__has_include(<quadmath.h>)
+#undef SWEPT_QUADMATH
+#endif
 #if defined(SWEPT_QUADMATH)
 #include <boost/multiprecision/float128.hpp>
 #endif
