@@ -81,6 +81,7 @@ std::vector<float> FrameTargets::read(Target target) const {
 
 void FrameTargets::read_into_buffer(Target target, std::size_t offset) const {
   // With a pixel-pack buffer bound, OpenGL takes the address for an offset in it.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
   read_to(target, reinterpret_cast<void*>(offset));
 }
 
