@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -65,7 +66,7 @@ Image render(const Scene& scene, const AbufferOptions& options = {}) {
   return std::move(rendered).value().image;
 }
 
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+bool same_bits(std::span<const float> a, std::span<const float> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 bool same_bits(const Image& a, const Image& b) {
@@ -196,8 +197,11 @@ TEST(Abuffer, CropEqualsThosePixelsOfTheFrame) {
   for (int y = 0; y < crop.height; ++y) {
     const std::size_t from = static_cast<std::size_t>((y + 9) * full.width + 13),
                       to = static_cast<std::size_t>(y * 31);
-    EXPECT_EQ(std::memcmp(&full.rgba[4 * from], &crop.rgba[4 * to], 4 * 31 * sizeof(float)), 0) << y;
-    EXPECT_EQ(std::memcmp(&full.depth[from], &crop.depth[to], 31 * sizeof(float)), 0) << y;
+    EXPECT_TRUE(same_bits(std::span(full.rgba).subspan(4 * from, 4 * 31),
+                          std::span(crop.rgba).subspan(4 * to, 4 * 31)))
+        << y;
+    EXPECT_TRUE(same_bits(std::span(full.depth).subspan(from, 31), std::span(crop.depth).subspan(to, 31)))
+        << y;
   }
 }
 
@@ -238,7 +242,8 @@ TEST(Abuffer, StillPixelsOfAMovingSceneKeepTheStillBits) {
     for (int x = 0; x < 30; ++x) {
       const std::size_t i = static_cast<std::size_t>(y * 64 + x);
       seen += still.rgba[4 * i + 3] > 0.0f;
-      EXPECT_EQ(std::memcmp(&blurred.rgba[4 * i], &still.rgba[4 * i], 4 * sizeof(float)), 0)
+      EXPECT_TRUE(
+          same_bits(std::span(blurred.rgba).subspan(4 * i, 4), std::span(still.rgba).subspan(4 * i, 4)))
           << x << ", " << y;
     }
   EXPECT_GT(seen, 200u);

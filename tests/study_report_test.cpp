@@ -252,6 +252,8 @@ TEST_F(StudyReport, LeavesOutWhatIsNotThere) {
   EXPECT_EQ(evaluate("document.querySelectorAll('h2').length"), 3);
   EXPECT_EQ(evaluate("document.querySelectorAll('.plot').length"), 0);
   EXPECT_EQ(evaluate("document.querySelector('.reason').textContent"), "failed");
+  EXPECT_EQ(evaluate("document.querySelector('#head p').textContent.split(':')[0]"),
+            "1 method at their settings on 2 scenes");
   EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
 }
 

@@ -8,10 +8,11 @@ const anchor = (scene) => `scene-${scene.id}`;
 function headOf() {
   const cells = scenes.flatMap((scene) => listOf(scene.cells));
   const failed = cells.filter((cell) => !isDone(cell)).length;
+  const methods = new Set(cells.map((cell) => cell.method)).size;
   const samples = study.settings?.reference_samples;
   const repeats = study.settings?.repeats;
   const parts = [
-    `${plural(families.size, 'method')} at their settings on ${plural(scenes.length, 'scene')}: ${
+    `${plural(methods, 'method')} at their settings on ${plural(scenes.length, 'scene')}: ${
         plural(cells.length, 'result')}` +
         (failed > 0 ? `, of which ${whole(failed)} failed.` : '.'),
     `Run on ${date(study.started)}${isNumber(study.seconds) ? ` in ${duration(study.seconds)}` : ''}` +
