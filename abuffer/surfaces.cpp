@@ -54,12 +54,11 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   if (count > 1) {
     const float duration = static_cast<float>(share_of(end - begin));
     const float span = range.max_rate * duration;
-    points_ = points_for(span, duration, model_.delta(), count);
+    points_ = points_for(span, duration, model_.delta());
     if (span > longest_span || points_ > most_points) {
       // A little less than the limit, so that rounding does not ask for the same again.
       float fraction = std::min(1.0f, 0.99f * longest_span / span);
-      while (points_for(fraction * span, fraction * duration, model_.delta(), count) > most_points)
-        fraction *= 0.8f;
+      while (points_for(fraction * span, fraction * duration, model_.delta()) > most_points) fraction *= 0.8f;
       const Ticks cut = shorten(begin, end, fraction);
       if (cut < end) return cut;
       points_ = most_points;

@@ -5,8 +5,6 @@
 // rules do.
 #pragma once
 
-#include <cstddef>
-
 namespace swept {
 
 /// What a piece may be off by in the image.
@@ -32,12 +30,13 @@ inline constexpr int most_points = 3;
 /// two integrals, 2 or 3 for Gauss's, more for a piece that is too long.
 ///
 /// With C the colour and W = Σρ, over a span s the three differ from the integral of ratios by at most
-/// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ, and so for two
-/// kernels, one black and one white, C is a logistic function of up to 4√δ y. Of n kernels the changes of C
-/// and W average out. `span` is of the fastest kernel, `duration` a share of the exposure.
-[[nodiscard]] inline int points_for(float span, float duration, float delta, std::size_t kernels) {
+/// s²/12 |C′W′/W|, s⁴/4320 |C⁽⁴⁾| and s⁶/2016000 |C⁽⁶⁾|. ln ρ has slopes of up to 2√δ. So |C′W′/W| ≤ 0.77 δ,
+/// however many kernels there are, and for two, one black and one white, C is a logistic function of up to
+/// 4√δ y. Ratios of neighbouring pieces are off to the same side and add up: they get a quarter of the error.
+/// `span` is of the fastest kernel, `duration` a share of the exposure.
+[[nodiscard]] inline int points_for(float span, float duration, float delta) {
   const float square = delta * span * span;
-  if (duration * square <= 3.0f * piece_error * static_cast<float>(kernels)) return 1;
+  if (duration * square <= 4.0f * piece_error) return 1;
   const float fourth = duration * square * square;
   if (7.6e-3f * fourth <= piece_error) return 2;
   return 8.3e-4f * fourth * square <= piece_error ? 3 : most_points + 1;

@@ -100,6 +100,26 @@ TEST(Abuffer, AgreesWithTheReferenceUnderHardCoverage) {
   expect_agreement(scene, 1024);
 }
 
+/// Small dark discs that hardly move and a few large bright ones that do, all in one surface: as long as one of
+/// these passes, colour and weight rise and fall together.
+TEST(Abuffer, AgreesWithTheReferenceWhereFewOfManyMove) {
+  Scene scene = stage();
+  scene.film = {24, 18, 0, 0, 0, 0};
+  scene.model.coverage = Coverage::hard;
+  scene.model.delta = 15.0;
+  scene.model.depth_tolerance = 15.0;
+  scene.model.filter_radius_px = 12.0;
+  Random random(3);
+  Object& dark = scene.objects.emplace_back();
+  for (int i = 0; i < 60; ++i)
+    add_disc(dark, random.vector(-1.2, 1.2), Vector3d::UnitZ(), 0.02, {0.0f, 0.1f, 0.1f});
+  dark.cloud.velocity.assign(60, {0.01f, 0.0f, 0.0f});
+  Object& bright = scene.objects.emplace_back();
+  for (int i = 0; i < 4; ++i) add_disc(bright, random.vector(-1.2, 1.2), Vector3d::UnitZ(), 0.2);
+  bright.cloud.velocity.assign(4, {8.0f, 5.0f, 0.0f});
+  expect_agreement(scene, 1024);
+}
+
 TEST(Abuffer, AgreesWithTheReferenceOnOneSidedSurfaces) {
   Scene scene = busy_scene();
   for (Object& object : scene.objects) object.two_sided = false;

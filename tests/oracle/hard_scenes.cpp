@@ -325,7 +325,7 @@ const std::vector<HardScene>& hard_scenes() {
        through_near_plane},
       {"through_eye", "two discs whose centres pass the eye", 80, 16384, through_eye},
       {"motion_1e-6_px", "a surface that moves by a millionth of a pixel", 90, 256, minute_motion},
-      {"motion_1e5_px", "discs that move by 100,000 px, one of them 40,000 px wide", 80, 32768, vast_motion},
+      {"motion_1e5_px", "discs that move by 100,000 px, one of them 40,000 px wide", 85, 32768, vast_motion},
       {"axis_of_length_zero", "discs without an area, which show nothing, before a surface", 90, 1024,
        zero_axis},
       {"parallel_axes", "discs with parallel axes, which show nothing, before a surface", 90, 1024,
