@@ -100,8 +100,8 @@ TEST(Abuffer, AgreesWithTheReferenceUnderHardCoverage) {
   expect_agreement(scene, 1024);
 }
 
-/// Small dark discs that hardly move and a few large bright ones that do, all in one surface: as long as one of
-/// these passes, colour and weight rise and fall together.
+/// Small dark discs that hardly move and a few large bright ones that do, all in one surface: as long as one
+/// of these passes, colour and weight rise and fall together.
 TEST(Abuffer, AgreesWithTheReferenceWhereFewOfManyMove) {
   Scene scene = stage();
   scene.film = {24, 18, 0, 0, 0, 0};
