@@ -42,15 +42,11 @@ class Command : public ::testing::Test {
   void SetUp() override { put(scene_, small_scene); }
 
   /// Runs `swept`; an argument may say {} for the test's folder.
-  Outcome swept(const std::vector<std::string>& arguments) const {
-    const auto quoted = [](const std::string& word) { return " '" + word + "'"; };
-    std::string line = std::string(SWEPT_COMMAND);
-    for (std::string argument : arguments) {
+  Outcome swept(std::vector<std::string> arguments) const {
+    for (std::string& argument : arguments)
       if (const std::size_t at = argument.find("{}"); at != std::string::npos)
         argument.replace(at, 2, folder_ / "");
-      line += quoted(argument);
-    }
-    return run_command(line);
+    return run_command(SWEPT_COMMAND, arguments);
   }
 
   TemporaryFolder folder_;

@@ -17,9 +17,7 @@ using test::Outcome;
 using test::TemporaryFolder;
 
 Outcome run(const std::vector<std::string>& arguments) {
-  std::string line = SWEPT_COMMAND " compare";
-  for (const std::string& argument : arguments) line += " '" + argument + "'";
-  return test::run_command(line);
+  return test::run_command(SWEPT_COMMAND " compare", arguments);
 }
 
 class CompareCommand : public testing::Test {
