@@ -9,12 +9,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
-#include "abuffer/bins.h"
 #include "abuffer/parallel.h"
 #include "abuffer/render_valid.h"
-#include "abuffer/still.h"
-#include "abuffer/sweep.h"
-#include "splat/kernel_set.h"
+#include "abuffer/resolve/still.h"
+#include "abuffer/resolve/sweep.h"
+#include "abuffer/tiles/bins.h"
+#include "splat/kernel/kernel_set.h"
 #include "splat/stopwatch.h"
 
 namespace swept {

@@ -3,22 +3,12 @@
 
 #include <cstddef>
 
+#include "splat/interval/composite.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
 namespace swept {
-
-/// Over what a pixel's colour is divided by its weights (model section 1.3).
-enum class Normalisation {
-  /// Every visible interval by itself, each colour with the alpha that it has there: what the image is.
-  interval,
-  /// The whole exposure at once, as Heinzle et al. 2010 do, here over all visible surfaces and after hidden
-  /// fragments are gone: rgb = A · Σ T Σₖ wₖ∫ρₖ / Σ T Σₖ oₖ∫ρₖ, with A the pixel's alpha, T the light left in
-  /// front of a surface, wₖ and oₖ a kernel's premultiplied colour and opacity. Alpha and depth are those of
-  /// `interval`, and so is the colour where a single surface is seen that does not change.
-  pixel,
-};
 
 /// None of these changes a bit of the image but `normalisation`.
 struct AbufferOptions {

@@ -7,7 +7,7 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/render_valid.h"
-#include "splat/segments.h"
+#include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -47,7 +47,7 @@ Result<Rendered> render_checked(const Scene& scene, const SupersampleOptions& op
   instant.background.setZero();
   AbufferOptions still;
   still.threads = options.threads;
-  const int instants = nothing_moves(scene) ? 1 : options.samples;
+  const int instants = nothing_moves(scene, scene.exposure()) ? 1 : options.samples;
   const double length = scene.shutter.close - scene.shutter.open;
 
   StillSum sum;

@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
-#include "gpu_passes/context.h"
-#include "gpu_passes/gl_errors.h"
-#include "gpu_passes/pass_runner.h"
-#include "gpu_passes/subframes.h"
+#include "gpu_passes/device/context.h"
+#include "gpu_passes/device/gl_errors.h"
+#include "gpu_passes/six_pass/pass_runner.h"
+#include "gpu_passes/six_pass/subframes.h"
 #include "splat/stopwatch.h"
 
 namespace swept {

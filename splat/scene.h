@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/exposure.h"
 #include "splat/surfel.h"
 
 namespace swept {
@@ -57,6 +58,9 @@ struct Scene {
   Eigen::Vector4f background = Eigen::Vector4f::Zero();  ///< linear, premultiplied RGBA
   ImageModel model;
   std::vector<Object> objects;
+
+  /// The shutter's times as absolute frames.
+  [[nodiscard]] Exposure exposure() const { return {frame + shutter.open, frame + shutter.close}; }
 
   /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
   [[nodiscard]] Status validate() const;

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "tests/counter.h"
 #include "tests/small_scenes.h"
 

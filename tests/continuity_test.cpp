@@ -13,9 +13,9 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/members.h"
-#include "splat/ray_kernel.h"
-#include "splat/segments.h"
+#include "abuffer/resolve/members.h"
+#include "splat/kernel/ray_kernel.h"
+#include "splat/motion/segments.h"
 #include "tests/counter.h"
 #include "tests/oracle/hard_scenes.h"
 #include "tests/oracle/oracle.h"
@@ -270,7 +270,7 @@ TEST(Continuity, OfTheImageInTheNumberOfSegments) {
   };
   const auto segments = [&](double radians) {
     const Scene scene = turning(radians);
-    return linear_segments(scene, scene.objects[0]);
+    return linear_segments(scene, scene.objects[0], scene.exposure());
   };
   int choices = 0;
   for (double low = 0.001; low < 1.5;) {

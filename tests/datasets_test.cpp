@@ -18,7 +18,7 @@
 #include "datasets/generators.h"
 #include "datasets/sampling.h"
 #include "splat/io/scene_file.h"
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 
 namespace {
 

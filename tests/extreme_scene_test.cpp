@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 
 namespace swept {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/flip.h"
+#include "splat/compare/flip.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "tools/metrics.h"
+#include "splat/compare/metrics.h"
 
 namespace swept {
 namespace {

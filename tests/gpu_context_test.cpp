@@ -1,5 +1,5 @@
 // Contexts without a display: what is listed works, and what is missing is said, never a crash.
-#include "gpu_passes/context.h"
+#include "gpu_passes/device/context.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "gpu_passes/egl_library.h"
+#include "gpu_passes/device/egl_library.h"
 #include "gpu_passes/gpu_renderer.h"
 
 namespace swept {

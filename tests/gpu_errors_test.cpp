@@ -4,8 +4,8 @@
 
 #include "gl_calls.h"
 #include "gpu_frames.h"
-#include "gpu_passes/context.h"
-#include "gpu_passes/gl_errors.h"
+#include "gpu_passes/device/context.h"
+#include "gpu_passes/device/gl_errors.h"
 
 namespace swept {
 namespace {

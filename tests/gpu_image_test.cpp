@@ -11,9 +11,9 @@
 #include "abuffer/abuffer.h"
 #include "datasets/generators.h"
 #include "gpu_compare.h"
-#include "gpu_passes/clamp_motion.h"
-#include "gpu_passes/six_pass_twin.h"
-#include "gpu_passes/subframes.h"
+#include "gpu_passes/six_pass/clamp_motion.h"
+#include "gpu_passes/six_pass/six_pass_twin.h"
+#include "gpu_passes/six_pass/subframes.h"
 #include "gpu_stage.h"
 #include "splat/io/scene_file.h"
 

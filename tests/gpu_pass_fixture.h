@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gpu_passes/context.h"
-#include "gpu_passes/pass_runner.h"
+#include "gpu_passes/device/context.h"
+#include "gpu_passes/six_pass/pass_runner.h"
 #include "gpu_stage.h"
 
 namespace swept {

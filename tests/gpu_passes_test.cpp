@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gpu_compare.h"
-#include "gpu_passes/six_pass_twin.h"
+#include "gpu_passes/six_pass/six_pass_twin.h"
 
 namespace swept {
 namespace {

@@ -1,16 +1,16 @@
 // Shader text: includes, errors with file and line, and the formulas against double precision.
-#include "gpu_passes/program.h"
+#include "gpu_passes/device/program.h"
 
 #include <cmath>
 #include <optional>
 
 #include <gtest/gtest.h>
 
-#include "gpu_passes/context.h"
-#include "gpu_passes/gaussian_table.h"
-#include "gpu_passes/passes.h"
-#include "gpu_passes/shaders.h"
-#include "splat/kernel_integral.h"
+#include "gpu_passes/device/context.h"
+#include "gpu_passes/six_pass/gaussian_table.h"
+#include "gpu_passes/six_pass/passes.h"
+#include "gpu_passes/six_pass/shaders.h"
+#include "splat/kernel/kernel_integral.h"
 
 namespace swept {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "gpu_passes/pass_runner.h"
-#include "splat/kernel_set.h"
+#include "gpu_passes/six_pass/pass_runner.h"
+#include "splat/kernel/kernel_set.h"
 #include "splat/scene.h"
 
 namespace swept {

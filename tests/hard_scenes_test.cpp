@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "tests/counter.h"
 #include "tests/image_difference.h"
 #include "tests/oracle/hard_scenes.h"

@@ -1,6 +1,6 @@
 // The sweep's arithmetic, built for every instruction set: its means against a 50-digit oracle, and the same
 // bits from all builds.
-#include "abuffer/interval_math.h"
+#include "abuffer/simd/interval_math.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/members.h"
-#include "splat/kernel_integral.h"
+#include "abuffer/resolve/members.h"
+#include "splat/kernel/kernel_integral.h"
 #include "tests/oracle/oracle.h"
 
 namespace swept {

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/abuffer.h"
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 
 namespace swept {
 namespace {

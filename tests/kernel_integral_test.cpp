@@ -1,5 +1,5 @@
 // The mean of exp(−y²) against a 50-digit oracle, over every branch and across the switches between them.
-#include "splat/kernel_integral.h"
+#include "splat/kernel/kernel_integral.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "splat/kernel_integral.h"
-#include "splat/ray_kernel.h"
-#include "splat/screen_bounds.h"
+#include "splat/kernel/kernel_integral.h"
+#include "splat/kernel/ray_kernel.h"
+#include "splat/kernel/screen_bounds.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/ray_bounds.h"
 #include "tests/oracle/shrink.h"

@@ -1,4 +1,4 @@
-#include "tools/metrics.h"
+#include "splat/compare/metrics.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // The pixel filter of a disc: against the exact convolution, through edge-on, and in both of its limits.
-#include "splat/moving_kernel.h"
+#include "splat/kernel/moving_kernel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // A kernel along a ray against a 50-digit oracle: coordinates, tube, depth and Gaussian within the bounds
 // that ray_kernel.h states, over the hard cases of model section 10.
-#include "splat/ray_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
 
-#include "splat/kernel_integral.h"
+#include "splat/kernel/kernel_integral.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/naive.h"
 #include "tests/oracle/oracle.h"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "tests/counter.h"
 
 namespace swept {

@@ -1,4 +1,4 @@
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "abuffer/reference_frame.h"
+#include "abuffer/reference/reference_frame.h"
 #include "tests/counter.h"
 
 namespace swept {

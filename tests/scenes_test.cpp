@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "datasets/generators.h"
 #include "splat/io/scene_file.h"
 #include "tests/counter.h"

@@ -1,5 +1,5 @@
 // The octagon contains what the kernel covers: densely sampled in time, on the disc and over pixels.
-#include "splat/screen_bounds.h"
+#include "splat/kernel/screen_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "splat/ray_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 #include "tests/oracle/hard_kernels.h"
 
 namespace swept {

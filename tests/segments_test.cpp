@@ -1,4 +1,4 @@
-#include "splat/segments.h"
+#include "splat/motion/segments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 
 namespace swept {
 namespace {
@@ -40,7 +40,7 @@ double sagitta_px(double radius, double degrees, int parts) {
 TEST(Segments, KeepThePathWithinATenthOfAPixel) {
   for (const double degrees : {1.0, 5.0, 30.0, 90.0, 180.0, 300.0}) {
     const Scene scene = ring(2.0, degrees);
-    const int segments = linear_segments(scene, scene.objects[0]);
+    const int segments = linear_segments(scene, scene.objects[0], scene.exposure());
     if (segments < max_chosen_segments) {
       EXPECT_LE(sagitta_px(2.0, degrees, segments), 0.1 * 1.001) << degrees;
     }
@@ -53,25 +53,25 @@ TEST(Segments, KeepThePathWithinATenthOfAPixel) {
 
 TEST(Segments, SeeATurnThatEndsWhereItBegan) {
   const Scene scene = ring(2.0, 720.0);
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), max_chosen_segments);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), max_chosen_segments);
 }
 
 TEST(Segments, AreOneOnAStraightPathAndWhereNothingMoves) {
   Scene scene = ring(2.0, 0.0);
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), 1);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), 1);
   scene.objects[0].transform.keys[1].translate = {0.5, 0.1, 2.0};
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), 1);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), 1);
   scene = ring(2.0, 90.0);
   scene.shutter = {0.3, 0.3};
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), 1);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), 1);
 }
 
 TEST(Segments, FollowTheSceneWhereItSaysHowMany) {
   Scene scene = ring(2.0, 90.0);
   scene.model.segments = 3;
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), 3);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), 3);
   scene.objects[0].segments = 5;
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), 5);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), 5);
 }
 
 TEST(Segments, HaveTheMeanPositionOfTheirStretchOfThePath) {
@@ -92,10 +92,10 @@ TEST(Segments, HaveTheMeanPositionOfTheirStretchOfThePath) {
 
 TEST(Segments, DoNotDependOnTheOrderOfThePoints) {
   Scene scene = ring(2.0, 40.0);
-  const int segments = linear_segments(scene, scene.objects[0]);
+  const int segments = linear_segments(scene, scene.objects[0], scene.exposure());
   SurfelPose& pose = scene.objects[0].cloud.keys[0].pose;
   std::reverse(pose.position.begin(), pose.position.end());
-  EXPECT_EQ(linear_segments(scene, scene.objects[0]), segments);
+  EXPECT_EQ(linear_segments(scene, scene.objects[0], scene.exposure()), segments);
 }
 
 }  // namespace

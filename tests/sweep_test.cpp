@@ -1,5 +1,5 @@
 // The sweep on planted fragments, against integrals that are known.
-#include "abuffer/sweep.h"
+#include "abuffer/resolve/sweep.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/still.h"
+#include "abuffer/resolve/still.h"
 
 namespace swept {
 namespace {

@@ -12,8 +12,8 @@
 #include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
+#include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
-#include "tools/metrics.h"
 
 namespace swept {
 namespace {

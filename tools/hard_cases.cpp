@@ -13,11 +13,11 @@
 #include <CLI/Formatter.hpp>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
+#include "splat/compare/metrics.h"
 #include "splat/io/atomic_file.h"
 #include "splat/io/image_file.h"
 #include "tests/oracle/hard_scenes.h"
-#include "tools/metrics.h"
 
 namespace {
 

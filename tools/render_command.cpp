@@ -14,7 +14,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "abuffer/supersample.h"
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "splat/segments.h"
+#include "splat/motion/segments.h"
 
 namespace swept {
 namespace {
@@ -44,7 +44,7 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
   report.has_opacity =
       std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float value) { return value < 1.0f; });
   report.two_sided = object.two_sided;
-  report.segments = linear_segments(scene, object);
+  report.segments = linear_segments(scene, object, scene.exposure());
   report.low.setConstant(std::numeric_limits<double>::infinity());
   report.high = -report.low;
   for (const double frame : {open, open + 0.5 * (close - open), close}) {

@@ -4,9 +4,9 @@
 
 #include <fmt/core.h>
 
-#include "abuffer/rasterize.h"
-#include "splat/kernel_integral.h"
-#include "splat/ray_kernel.h"
+#include "abuffer/sources/rasterize.h"
+#include "splat/kernel/kernel_integral.h"
+#include "splat/kernel/ray_kernel.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/naive.h"
 #include "tests/oracle/ray_bounds.h"

@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "abuffer/members.h"
-#include "splat/kernel_integral.h"
+#include "abuffer/resolve/members.h"
+#include "splat/kernel/kernel_integral.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/naive.h"
 #include "tools/stability_rows.h"

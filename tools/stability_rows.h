@@ -21,7 +21,7 @@ inline constexpr const char* case_range = "model section 10, 1000 px of focal le
 
 using Job = std::function<std::vector<Row>()>;
 
-/// The mean of exp(−y²): splat/kernel_integral.h, and the sweep's own in every build.
+/// The mean of exp(−y²): splat/kernel/kernel_integral.h, and the sweep's own in every build.
 void add_integral_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Coordinates and depth along a ray, by kernel: KernelPlane.
 void add_coordinate_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);

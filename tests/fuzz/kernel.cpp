@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "splat/kernel_integral.h"
-#include "splat/ray_kernel.h"
+#include "splat/kernel/kernel_integral.h"
+#include "splat/kernel/ray_kernel.h"
 #include "tests/fuzz/check.h"
 
 namespace swept {

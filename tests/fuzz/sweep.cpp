@@ -12,9 +12,9 @@
 #include <numeric>
 #include <vector>
 
-#include "abuffer/rasterize.h"
-#include "abuffer/reference_frame.h"
-#include "abuffer/sweep.h"
+#include "abuffer/reference/reference_frame.h"
+#include "abuffer/resolve/sweep.h"
+#include "abuffer/sources/rasterize.h"
 #include "tests/fuzz/check.h"
 
 namespace swept {

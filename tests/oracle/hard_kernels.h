@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "splat/moving_kernel.h"
+#include "splat/kernel/moving_kernel.h"
 
 namespace swept::oracle {
 

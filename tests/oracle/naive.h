@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "splat/ray_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 
 namespace swept::naive {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "splat/moving_kernel.h"
-#include "splat/ray_kernel.h"
+#include "splat/kernel/moving_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 
 namespace swept::oracle {
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "splat/ray_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 #include "tests/oracle/hard_kernels.h"
 #include "tests/oracle/oracle.h"
 

@@ -7,14 +7,13 @@ set(swept_package ${CMAKE_INSTALL_LIBDIR}/cmake/swept)
 
 # Public headers. Those of splat/ are, but for what its own sources share; of io and abuffer only these.
 install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
-        FILES_MATCHING PATTERN "*.h" PATTERN "io" EXCLUDE PATTERN "instant.h" EXCLUDE
+        FILES_MATCHING PATTERN "*.h" PATTERN "io" EXCLUDE PATTERN "instant.h" EXCLUDE PATTERN "flip.h" EXCLUDE
         PATTERN "srgb.h" EXCLUDE PATTERN "stopwatch.h" EXCLUDE)
 foreach(header atomic_file cloud_source image_file point_file scene_file sequence surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()
-foreach(header abuffer reference supersample)
-  install(FILES abuffer/${header}.h DESTINATION ${swept_include}/abuffer)
-endforeach()
+install(FILES abuffer/abuffer.h abuffer/supersample.h DESTINATION ${swept_include}/abuffer)
+install(FILES abuffer/reference/reference.h DESTINATION ${swept_include}/abuffer/reference)
 
 set(swept_libraries splat io abuffer)
 if(SWEPT_GPU)

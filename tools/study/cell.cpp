@@ -7,8 +7,8 @@
 
 #include <fmt/core.h>
 
+#include "splat/compare/metrics.h"
 #include "splat/io/atomic_file.h"
-#include "tools/metrics.h"
 
 namespace swept {
 namespace {

@@ -16,7 +16,7 @@
 #include <embree3/rtcore.h>
 
 #include "abuffer/parallel.h"
-#include "splat/ray_kernel.h"
+#include "splat/kernel/ray_kernel.h"
 
 namespace swept {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 

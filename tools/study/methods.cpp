@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference.h"
+#include "abuffer/reference/reference.h"
 #include "abuffer/supersample.h"
 #include "tools/gpu_method.h"
 #include "tools/study/raycast.h"

@@ -13,8 +13,8 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/render_valid.h"
-#include "abuffer/still.h"
-#include "splat/kernel_set.h"
+#include "abuffer/resolve/still.h"
+#include "splat/kernel/kernel_set.h"
 #include "splat/stopwatch.h"
 #include "tools/study/disc_volumes.h"
 

@@ -6,7 +6,7 @@
 
 #include "datasets/generators.h"
 #include "splat/image.h"
-#include "splat/kernel_set.h"
+#include "splat/kernel/kernel_set.h"
 
 namespace swept {
 namespace {

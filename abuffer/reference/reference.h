@@ -1,0 +1,51 @@
+// The reference: the plain average of many still images, slow and simple, by which the others are judged.
+//
+// Source: model sections 1 and 9. It shares no rasteriser, no sweep and no closed form with the exact
+// renderer; what the two have in common is the list of moving kernels they are given.
+#pragma once
+
+#include "splat/kernel/kernel_set.h"
+#include "splat/rendered.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+/// How the reference places the discs at an instant.
+enum class ReferenceMotion {
+  segments,  ///< along the linear segments of build_kernels(): the very motion the other renderers see
+  smooth,    ///< along the true path: curves, turning axes and the pixel filter are exact at every instant
+};
+
+struct ReferenceOptions {
+  int samples = 256;  ///< N, still images averaged; even, [2, 2²⁰]
+  int threads = 0;    ///< at most so many, [0, 1024]; 0: all there are. Changes no bit
+  ReferenceMotion motion = ReferenceMotion::segments;
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// The mean of N still images at the midpoints (i + ½)/N of N strata of a box shutter, in double precision.
+/// A closed shutter, or a scene in which nothing moves, takes one still image.
+///
+/// The image's own error is estimated from a second mean of N/2 still images at the midpoints of N/2 strata,
+/// so a render costs 1.5 N of them. Where a pixel's signal jumps at an instant spread evenly over the
+/// strata, the midpoint rule errs by a sawtooth of width h = 1/N: variance h²/12 with N, 4h²/12 with N/2,
+/// correlation −1/4 between the two, and hence h²/2 for their difference, 6 times the variance sought.
+/// Smoother signals have the ratio 9 or more. So the root mean square difference over √6 is the error of
+/// the N-sample image where it jumps, and an upper estimate where it does not.
+///
+/// Statistics: "samples" N; "instants" still images rendered in all; "fragments" and "surfaces" of all of
+/// these; "reference_error_rmse" that estimate, on linear RGB, and "reference_error_psnr_db" the same for
+/// peak 1 (+∞ where the error is 0); and what KernelSet counts, which for smooth motion is that of the last
+/// instant. The stages overlap in one case: "kernels" of smooth motion is part of the other two.
+///
+/// Errors: options or scene out of range, and not enough memory.
+[[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options);
+
+/// The same for given kernels: film, background and image model are the scene's, all else is the kernels'.
+/// Always ReferenceMotion::segments.
+[[nodiscard]] Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
+                                                const ReferenceOptions& options);
+
+}  // namespace swept

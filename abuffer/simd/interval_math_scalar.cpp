@@ -1,0 +1,18 @@
+// The definition: one member after the other. Compiled without vectors and without liberties.
+#define SWEPT_PLAIN_LANES
+#include "abuffer/simd/interval_math_loops.h"
+
+namespace swept {
+
+DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
+MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
+
+DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
+  return depths_over_text(members, begin, end, z_begin, z_end);
+}
+
+MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean) {
+  return sum_over_text(members, begin, end, mean);
+}
+
+}  // namespace swept

@@ -1,0 +1,91 @@
+#include "abuffer/sources/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swept {
+namespace {
+
+/// Pixels [first, last) of row `y` whose centres lie in the octagon, within the window.
+struct Row {
+  int first = 0, last = 0;
+};
+
+Row row_of(const Octagon& octagon, const Window& window, int y) {
+  double x_min, x_max;
+  if (!octagon.span(y + 0.5, y + 0.5, x_min, x_max)) return {};
+  // Clamped before the conversion: bounds may lie far beyond the range of an int.
+  const double low = std::clamp(std::ceil(x_min - 0.5), double(window.x), double(window.x + window.width));
+  const double high =
+      std::clamp(std::floor(x_max - 0.5) + 1.0, double(window.x), double(window.x + window.width));
+  return {static_cast<int>(low), static_cast<int>(high)};
+}
+
+Row rows_of(const Octagon& octagon, const Window& window) {
+  const PixelBox box = octagon.box();
+  const double low =
+      std::clamp(std::ceil(box.y_min - 0.5), double(window.y), double(window.y + window.height));
+  const double high =
+      std::clamp(std::floor(box.y_max - 0.5) + 1.0, double(window.y), double(window.y + window.height));
+  return {static_cast<int>(low), static_cast<int>(high)};
+}
+
+}  // namespace
+
+void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t kernel, FragmentArrays& out) {
+  const Ticks t_begin = ticks_of(f.t_begin), t_end = ticks_of(f.t_end);
+  const float peak = static_cast<float>(f.peak);
+  if (!(t_begin < t_end) || !(peak > 0.0f)) return;
+  // Where line and depth are at the time as it is kept.
+  const double later = share_of(t_begin) - f.t_begin;
+  const double y = f.y_begin + f.rate * later, z = f.z_begin + f.z_rate * later;
+  // Beyond what floats can add up. Nothing meant is that far away or that fast.
+  constexpr double largest = 1e30;
+  if (!(std::max({std::abs(z), std::abs(f.z_rate), std::abs(y), f.rate}) <= largest)) return;
+  const std::size_t i = out.count++;
+  out.pixel[i] = pixel;
+  out.kernel[i] = kernel;
+  out.t_begin[i] = t_begin;
+  out.t_end[i] = t_end;
+  out.y[i] = static_cast<float>(y);
+  out.rate[i] = static_cast<float>(f.rate);
+  out.peak[i] = peak;
+  out.z[i] = static_cast<float>(z);
+  out.z_rate[i] = static_cast<float>(f.z_rate);
+}
+
+// Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
+[[gnu::flatten]] void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index,
+                                const Octagon& octagon, const RasterModel& model, const Window& window,
+                                FragmentArrays& fragments) {
+  const KernelPlane<double> plane(kernel);
+  const double per_pixel = 1.0 / model.projection.focal_px;
+  const Row rows = rows_of(octagon, window);
+  for (int y = rows.first; y < rows.last; ++y) {
+    const Row row = row_of(octagon, window, y);
+    if (row.first >= row.last) continue;
+    fragments.ensure(static_cast<std::size_t>(row.last - row.first));
+    const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;
+    const std::uint32_t row_start = static_cast<std::uint32_t>((y - window.y) * window.width - window.x);
+    for (int x = row.first; x < row.last; ++x) {
+      const double ray_x = (x + 0.5 - model.projection.center_x) * per_pixel;
+      if (!plane.faces(ray_x, ray_y)) continue;
+      RayFragment<double> fragment;
+      if (intersect_tube<double>(plane.along(ray_x, ray_y), kernel.t_begin, kernel.t_end, model.near,
+                                 model.delta, kernel.weight, fragment))
+        append(fragment, row_start + static_cast<std::uint32_t>(x), kernel_index, fragments);
+    }
+  }
+}
+
+std::size_t visited_pixels(const Octagon& octagon, const Window& window) {
+  const Row rows = rows_of(octagon, window);
+  std::size_t pixels = 0;
+  for (int y = rows.first; y < rows.last; ++y) {
+    const Row row = row_of(octagon, window, y);
+    if (row.first < row.last) pixels += static_cast<std::size_t>(row.last - row.first);
+  }
+  return pixels;
+}
+
+}  // namespace swept

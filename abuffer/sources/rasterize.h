@@ -1,0 +1,41 @@
+// Kernels to fragments.
+#pragma once
+
+#include <cstdint>
+
+#include "splat/camera.h"
+#include "splat/interval/fragments.h"
+#include "splat/kernel/ray_kernel.h"
+#include "splat/kernel/screen_bounds.h"
+
+namespace swept {
+
+/// A rectangle of pixels of the whole film.
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+
+  /// Around the pixels' centres.
+  [[nodiscard]] PixelBox centers() const { return {x + 0.5, x + width - 0.5, y + 0.5, y + height - 0.5}; }
+};
+
+struct RasterModel {
+  Projection projection;
+  double near = 0.0;
+  double delta = 3.0;
+};
+
+/// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded
+/// to float. Not one that would last for no tick or weigh nothing, nor what is beyond the range of sums.
+/// There must be room: FragmentArrays::ensure().
+void append(const RayFragment<double>& fragment, std::uint32_t pixel, std::uint32_t kernel,
+            FragmentArrays& fragments);
+
+/// Appends the kernel's fragments in `window`. `octagon` is its screen_bounds(). Every pixel's result depends
+/// on its place on the film alone, not on the window.
+void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index, const Octagon& octagon,
+               const RasterModel& model, const Window& window, FragmentArrays& fragments);
+
+/// How many pixels of `window` rasterize() visits: an upper bound of the fragments it appends.
+[[nodiscard]] std::size_t visited_pixels(const Octagon& octagon, const Window& window);
+
+}  // namespace swept

@@ -1,0 +1,76 @@
+#include "abuffer/tiles/bins.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swept {
+namespace {
+
+/// Whether a one-sided kernel turns its back on every pixel of the box: facing·d is linear over the film, so
+/// its corners tell. What rounding leaves open counts as seen.
+bool faces_away(const MovingKernel& kernel, const PixelBox& box, const Projection& projection) {
+  const Eigen::Vector3d facing = kernel.facing.cast<double>();
+  if (facing.isZero(0.0)) return false;
+  const auto least = [&](double slope, double low, double high, double center) {
+    return slope * ((slope > 0.0 ? low : high) - center) / projection.focal_px;
+  };
+  const double x = least(facing.x(), box.x_min, box.x_max, projection.center_x);
+  const double y = least(facing.y(), box.y_min, box.y_max, projection.center_y);
+  constexpr double rounding = 1e-12;
+  return x + y + facing.z() > rounding * (std::abs(x) + std::abs(y) + std::abs(facing.z()));
+}
+
+}  // namespace
+
+TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px)
+    : film_(film_window),
+      tile_px_(tile_px),
+      columns_((film_window.width + tile_px - 1) / tile_px),
+      rows_((film_window.height + tile_px - 1) / tile_px),
+      starts_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1) {
+  const PixelBox film = film_.centers();
+  bool back = false;  // why for_each_tile found none
+  const auto for_each_tile = [&](const MovingKernel& kernel, auto&& visit) {
+    back = false;
+    Octagon octagon;
+    if (!screen_bounds(kernel, set.projection, set.near, octagon) || !octagon.overlaps(film)) return false;
+    const PixelBox box = octagon.box();
+    if (faces_away(kernel, box, set.projection)) {
+      back = true;
+      return false;
+    }
+    const auto tile_of = [&](double position, int origin, int tiles) {
+      return static_cast<int>(std::clamp((position - origin) / tile_px_, 0.0, tiles - 1.0));
+    };
+    const int x0 = tile_of(box.x_min, film_.x, columns_), x1 = tile_of(box.x_max, film_.x, columns_);
+    const int y0 = tile_of(box.y_min, film_.y, rows_), y1 = tile_of(box.y_max, film_.y, rows_);
+    bool any = false;
+    for (int ty = y0; ty <= y1; ++ty)
+      for (int tx = x0; tx <= x1; ++tx) {
+        const std::size_t tile = static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) + tx;
+        if (!octagon.overlaps(window(tile).centers())) continue;
+        any = true;
+        visit(tile);
+      }
+    return any;
+  };
+  for (const MovingKernel& kernel : set.kernels)
+    if (!for_each_tile(kernel, [&](std::size_t tile) { ++starts_[tile + 1]; }))
+      ++(back ? facing_away_ : outside_);
+  for (std::size_t tile = 1; tile < starts_.size(); ++tile) starts_[tile] += starts_[tile - 1];
+  entries_.resize(starts_.back());
+  std::vector<std::size_t> fill(starts_.begin(), starts_.end() - 1);
+  for (std::size_t k = 0; k < set.kernels.size(); ++k)
+    for_each_tile(set.kernels[k],
+                  [&](std::size_t tile) { entries_[fill[tile]++] = static_cast<std::uint32_t>(k); });
+}
+
+Window TileBins::window(std::size_t tile) const {
+  const int column = static_cast<int>(tile % static_cast<std::size_t>(columns_));
+  const int row = static_cast<int>(tile / static_cast<std::size_t>(columns_));
+  const int x = column * tile_px_, y = row * tile_px_;
+  return {film_.x + x, film_.y + y, std::min(tile_px_, film_.width - x),
+          std::min(tile_px_, film_.height - y)};
+}
+
+}  // namespace swept

@@ -1,0 +1,87 @@
+// Surfaces over surfaces: what the still path and the sweep share.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "splat/scene.h"
+
+namespace swept {
+
+/// Over what a pixel's colour is divided by its weights (model section 1.3).
+enum class Normalisation {
+  /// Every visible interval by itself, each colour with the alpha that it has there: what the image is.
+  interval,
+  /// The whole exposure at once, as Heinzle et al. 2010 do, here over all visible surfaces and after hidden
+  /// fragments are gone: rgb = A · Σ T Σₖ wₖ∫ρₖ / Σ T Σₖ oₖ∫ρₖ, with A the pixel's alpha, T the light left in
+  /// front of a surface, wₖ and oₖ a kernel's premultiplied colour and opacity. Alpha and depth are those of
+  /// `interval`, and so is the colour where a single surface is seen that does not change.
+  pixel,
+};
+
+/// What a pixel has gathered: premultiplied RGBA, and depth weighted by alpha.
+struct PixelSum {
+  double rgba[4] = {0.0, 0.0, 0.0, 0.0};
+  double depth = 0.0;
+  double opacity =
+      0.0;  ///< Normalisation::pixel alone: the divisor of what rgba has of colours until finish()
+};
+
+/// The sums over the fragments of one surface, each fragment weighted by its ρ, or its mean over an interval.
+struct SurfaceSum {
+  float weight = 0.0f;                       ///< Σρ
+  float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};  ///< Σρw
+  float depth = 0.0f;                        ///< Σρz
+};
+
+/// Below this share of light left, what lies behind is not looked for: 2⁻²⁴ changes no float.
+inline constexpr float opaque_transmittance = 0x1p-24f;
+
+/// Coverage and normalisation of a surface (model sections 1.3 and 1.4).
+class SurfaceModel {
+ public:
+  explicit SurfaceModel(const ImageModel& model, Normalisation normalisation = Normalisation::interval)
+      : hard_(model.coverage == Coverage::hard),
+        per_pixel_(normalisation == Normalisation::pixel),
+        edge_weight_(static_cast<float>(model.edge_weight)),
+        delta_(static_cast<float>(model.delta)) {}
+
+  [[nodiscard]] bool hard() const { return hard_; }
+  [[nodiscard]] float edge_weight() const { return edge_weight_; }
+  [[nodiscard]] float delta() const { return delta_; }
+
+  /// What the sums are multiplied by to give coverage times colour: min(1, Σρ/ρ_edge)/Σρ, or 1/Σρ.
+  [[nodiscard]] float scale(const SurfaceSum& surface) const {
+    // Weights below the normal numbers weigh nothing: their inverse is out of range.
+    if (!(surface.weight >= std::numeric_limits<float>::min())) return 0.0f;
+    return 1.0f / (hard_ || surface.weight >= edge_weight_ ? surface.weight : edge_weight_);
+  }
+
+  /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
+  /// is left of the light, before and after.
+  void add(const SurfaceSum& surface, double duration, float& transmittance, PixelSum& pixel) const {
+    const float factor = scale(surface);
+    if (factor == 0.0f) return;
+    const float alpha = surface.rgba[3] * factor < 1.0f ? surface.rgba[3] * factor : 1.0f;
+    const double share = static_cast<double>(transmittance) * duration;
+    const float of_color = per_pixel_ ? 1.0f : factor;
+    for (int c = 0; c < 3; ++c) pixel.rgba[c] += share * static_cast<double>(surface.rgba[c] * of_color);
+    pixel.rgba[3] += share * static_cast<double>(surface.rgba[3] * factor);
+    if (per_pixel_) pixel.opacity += share * static_cast<double>(surface.rgba[3]);
+    pixel.depth += share * static_cast<double>(alpha) * static_cast<double>(surface.depth / surface.weight);
+    transmittance *= 1.0f - alpha;
+  }
+
+  /// After a pixel's last surface.
+  void finish(PixelSum& pixel) const {
+    if (!per_pixel_ || !(pixel.opacity > 0.0)) return;
+    for (int c = 0; c < 3; ++c) pixel.rgba[c] *= pixel.rgba[3] / pixel.opacity;
+    pixel.opacity = 0.0;
+  }
+
+ private:
+  bool hard_, per_pixel_;
+  float edge_weight_, delta_;
+};
+
+}  // namespace swept

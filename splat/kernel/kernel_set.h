@@ -1,0 +1,41 @@
+// From a scene to its moving kernels: the one door through which every renderer sees a scene.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "splat/kernel/moving_kernel.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+/// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
+/// or objects changes nothing.
+struct KernelSet {
+  std::vector<MovingKernel> kernels;
+  Projection
+      projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
+  double near = 0.0;  ///< camera-space depth, > 0
+  std::size_t surfels = 0;          ///< points of all objects
+  int most_segments = 1;            ///< of any object
+  std::size_t still_kernels = 0;    ///< kernels that do not move
+  std::size_t edge_on_kernels = 0;  ///< discs within 10⁻³ of being seen edge-on from the eye
+  std::size_t near_kernels = 0;     ///< kernels that reach to the near plane and beyond it
+  /// Segments whose disc has no area and no thickness on screen, or that are too large for numbers.
+  std::size_t culled_degenerate = 0;
+  std::size_t culled_near = 0;  ///< wholly nearer than the near plane or behind the eye
+};
+
+/// Cuts every surfel's path through camera space over the exposure into linear_segments(); one where nothing
+/// moves. A segment has the mean velocity of its stretch of the path and, by Simpson's rule, its mean
+/// position: to first order a blurred image sees nothing else of it, and the chord between the path's ends
+/// misses the second. Axes, normal and pixel filter are those of its middle. `scene` must satisfy
+/// validate().
+[[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure);
+/// The same over the scene's own exposure.
+[[nodiscard]] inline KernelSet build_kernels(const Scene& scene) {
+  return build_kernels(scene, scene.exposure());
+}
+
+}  // namespace swept

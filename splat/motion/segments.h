@@ -1,0 +1,22 @@
+// Into how many linear segments a path has to be cut.
+#pragma once
+
+#include "splat/scene.h"
+
+namespace swept {
+
+/// The most segments that are chosen unasked.
+inline constexpr int max_chosen_segments = 64;
+
+/// Whether every object, its points and the camera keep their bits over the whole exposure, or it is an
+/// instant.
+[[nodiscard]] bool nothing_moves(const Scene& scene, const Exposure& exposure);
+
+/// How many linear segments build_kernels() cuts the paths of `object` into over the exposure:
+/// Object::segments, else ImageModel::segments, else as many as keep the chords of every point's true path
+/// within 0.1 px of it on the film (and so segments within 0.07 px) and the discs' rims within 0.25 px on
+/// average, up to max_chosen_segments. That is judged by a sample of about a thousand points, which depends
+/// on the points and not on their order. 1 where nothing moves. `scene` must satisfy validate().
+[[nodiscard]] int linear_segments(const Scene& scene, const Object& object, const Exposure& exposure);
+
+}  // namespace swept
