@@ -28,6 +28,9 @@
 namespace swept {
 namespace {
 
+/// Doubling leaves most cells better than they need be, so that each may have so much more than its share.
+constexpr double slack = 2.5;
+
 /// Instants are doubled at most to so many.
 constexpr int most_chosen = 1 << 14;
 
@@ -128,7 +131,8 @@ class Renderer {
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-    allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+    allowed_mean_square_ =
+        slack * std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
   }
 
   CellResult render_cell(std::size_t index, SampledCell& renderer, InstantTable& table) {
@@ -141,34 +145,30 @@ class Renderer {
     if (count == 0) count = first_instants(motion, options_.max_error_db);
     const bool adaptive = options_.samples == 0 && motion > 0.0f;
     for (int i = 0; i < count; ++i) {
-      // Half weight at the ends makes it the difference of two rules of half as many instants.
-      const float end = i == 0 || i == count - 1 ? 0.5f : 1.0f;
-      renderer.add(*table.at(2 * i + 1, 2 * count), 1.0f, adaptive ? (i % 2 ? -end : end) : 0.0f);
+      InstantWeights weights;
+      if (adaptive) weights = estimating_weights(i, count);
+      renderer.add(*table.at(2 * i + 1, 2 * count), weights);
     }
     result.instants = count;
-    double weight = count;
     if (adaptive) {
       const double allowed = allowed_mean_square_ * 3.0 * cell.width * cell.height;
-      result.squares = renderer.alternating_squares() / (weight * weight);
+      ErrorEstimate estimate(renderer.squares(), count);
       // Doubled by the instants half-way between: with those at both ends, at half weight, the rule is the
       // trapezoid's.
-      for (bool at_ends = true; result.squares > allowed && count < most_chosen; at_ends = false) {
-        renderer.alternate_from_sums(weight);
-        if (at_ends) {
-          for (int i = 0; i <= count; ++i) {
-            const float w = i == 0 || i == count ? 0.5f : 1.0f;
-            renderer.add(*table.at(i, count), w, -w);
-          }
-          result.instants += count + 1;
-        } else {
-          for (int i = 0; i < count; ++i) renderer.add(*table.at(2 * i + 1, 2 * count), 1.0f, -1.0f);
-          result.instants += count;
+      for (bool at_ends = true; estimate.squares() > allowed && count < most_chosen; at_ends = false) {
+        renderer.alternate_from_sums(count);
+        const int added = at_ends ? count + 1 : count;
+        for (int i = 0; i < added; ++i) {
+          const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
+          renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
         }
+        result.instants += added;
         count *= 2;
-        weight = count;
-        result.squares = renderer.alternating_squares() / (weight * weight);
+        estimate.refine(renderer.squares(), count);
       }
+      result.squares = estimate.squares();
     }
+    const double weight = count;
     store(cell, renderer, weight);
     return result;
   }

@@ -22,6 +22,9 @@ constexpr std::size_t packets_a_look = 8;
 /// Fragments behind front surfaces that are held at once, unless a single row has more.
 constexpr std::size_t most_behind = std::size_t{1} << 22;
 
+/// Surfaces of a pixel that are picked one by one before what is left is sorted.
+constexpr int picked_layers = 6;
+
 /// Most that one packet can show in a cell.
 constexpr std::size_t packet_fragments = static_cast<std::size_t>(packet_size) * cell_floats;
 
@@ -62,6 +65,13 @@ void SampledCell::select(std::span<const ObjectInstant> instants) {
     if (v.bounds.empty() || v.bounds.x_max < cell_.x || v.bounds.x_min > cell_.x + cell_.width ||
         v.bounds.y_max < cell_.y || v.bounds.y_min > cell_.y + cell_.height)
       continue;
+    const auto patch = [](double px) {
+      return static_cast<int>(std::clamp(px, 0.0, cell_px - 1.0)) / patch_px;
+    };
+    v.patch_x_first = patch(v.bounds.x_min - cell_.x);
+    v.patch_x_last = patch(v.bounds.x_max - cell_.x);
+    v.patch_y_first = patch(v.bounds.y_min - cell_.y);
+    v.patch_y_last = patch(v.bounds.y_max - cell_.y);
     visible_.push_back(v);
   }
   if (placed_.size() < visible_.size()) placed_.resize(std::max(visible_.size(), 2 * placed_.size()));
@@ -72,22 +82,17 @@ void SampledCell::select(std::span<const ObjectInstant> instants) {
   });
 }
 
-bool SampledCell::hidden(const PacketBounds& bounds) const {
-  const auto patch = [](double v) {
-    return static_cast<int>(std::clamp(std::floor(v), 0.0, cell_px - 1.0)) / patch_px;
-  };
-  for (int y = patch(bounds.y_min - cell_.y); y <= patch(bounds.y_max - cell_.y); ++y)
-    for (int x = patch(bounds.x_min - cell_.x); x <= patch(bounds.x_max - cell_.x); ++x)
-      if (bounds.nearest <= double{buffers_->patch_limit[y * cell_patches + x]}) return false;
+bool SampledCell::hidden(const Visible& v) const {
+  const auto nearest = static_cast<float>(v.bounds.nearest * (1.0 - 1e-6));
+  for (int y = v.patch_y_first; y <= v.patch_y_last; ++y)
+    for (int x = v.patch_x_first; x <= v.patch_x_last; ++x)
+      if (nearest <= buffers_->patch_limit[y * cell_patches + x]) return false;
   return true;
 }
 
-bool SampledCell::lit(const PacketBounds& bounds) const {
-  const auto patch = [](double v) {
-    return static_cast<int>(std::clamp(std::floor(v), 0.0, cell_px - 1.0)) / patch_px;
-  };
-  for (int y = patch(bounds.y_min - cell_.y); y <= patch(bounds.y_max - cell_.y); ++y)
-    for (int x = patch(bounds.x_min - cell_.x); x <= patch(bounds.x_max - cell_.x); ++x)
+bool SampledCell::lit(const Visible& v) const {
+  for (int y = v.patch_y_first; y <= v.patch_y_last; ++y)
+    for (int x = v.patch_x_first; x <= v.patch_x_last; ++x)
       if (buffers_->patch_leaks[y * cell_patches + x]) return true;
   return false;
 }
@@ -168,7 +173,7 @@ void SampledCell::find_general_behind(const GeneralDisc& disc, std::uint32_t ind
   });
 }
 
-void SampledCell::add(std::span<const ObjectInstant> instants, float weight, float alternating) {
+void SampledCell::add(std::span<const ObjectInstant> instants, const InstantWeights& weights) {
   ++counters.instants;
   select(instants);
   counters.packets += visible_.size();
@@ -180,7 +185,7 @@ void SampledCell::add(std::span<const ObjectInstant> instants, float weight, flo
       math_.measure_patches(cell, cell_.height);
       since_look = 0;
     }
-    if (hidden(visible_[i].bounds)) continue;
+    if (hidden(visible_[i])) continue;
     ++since_look;
     place(i, instants);
     const PlacedPacket& placed = placed_[i];
@@ -191,7 +196,7 @@ void SampledCell::add(std::span<const ObjectInstant> instants, float weight, flo
   math_.measure_patches(cell, cell_.height);
   for (std::size_t i = 0; i < visible_.size(); ++i) {
     const Visible& v = visible_[i];
-    if (!v.placed || hidden(v.bounds)) {
+    if (!v.placed || hidden(v)) {
       ++counters.packets_hidden;
       continue;
     }
@@ -200,7 +205,7 @@ void SampledCell::add(std::span<const ObjectInstant> instants, float weight, flo
     for (std::size_t g = v.general_begin; g < v.general_end; ++g) add_general_to_front(general_[g]);
   }
   if (math_.shade_front(rule_, cell, cell_.height)) shade_behind(instants, 0, cell_.height);
-  math_.add_instant(cell, weight, alternating, background_, *sums_, cell_.height);
+  math_.add_instant(cell, weights, background_, *sums_, cell_.height);
   if (++unflushed_ == instants_a_flush) flush();
 }
 
@@ -208,7 +213,7 @@ void SampledCell::add(std::span<const ObjectInstant> instants, float weight, flo
 bool SampledCell::gather_behind(std::span<const ObjectInstant> instants, bool may_give_up) {
   behind_count_ = 0;
   for (std::size_t i = 0; i < visible_.size(); ++i) {
-    if (!lit(visible_[i].bounds)) continue;
+    if (!lit(visible_[i])) continue;
     if (!visible_[i].placed) place(i, instants);
     const PlacedPacket& placed = placed_[i];
     const Visible& v = visible_[i];
@@ -274,6 +279,26 @@ const float* SampledCell::color_of(std::uint32_t disc, float (&rgba)[4]) const {
   return rgba;
 }
 
+void SampledCell::add_to_layer(const Layer& fragment, LayerSum& sum) const {
+  float own[4];
+  const float* rgba = color_of(fragment.disc, own);
+  sum.weight += fragment.weight;
+  for (int c = 0; c < 4; ++c) sum.rgba[c] += fragment.weight * rgba[c];
+  sum.depth += fragment.weight * fragment.depth;
+}
+
+void SampledCell::shade_layer(const LayerSum& sum, std::uint32_t pixel, float& through) {
+  if (!(sum.weight >= std::numeric_limits<float>::min())) return;
+  const float divisor = rule_.hard || sum.weight >= rule_.edge_weight ? sum.weight : rule_.edge_weight;
+  const float inverse = 1.0f / divisor, alpha = std::min(sum.rgba[3] / divisor, 1.0f);
+  buffers_->red[pixel] += through * (sum.rgba[0] * inverse);
+  buffers_->green[pixel] += through * (sum.rgba[1] * inverse);
+  buffers_->blue[pixel] += through * (sum.rgba[2] * inverse);
+  buffers_->alpha[pixel] += through * alpha;
+  buffers_->depth[pixel] += through * (alpha * (sum.depth / sum.weight));
+  through *= 1.0f - alpha;
+}
+
 /// The surfaces behind a pixel's front one: the same rule, one after the other, until no light is left.
 void SampledCell::shade_layers(std::size_t begin, std::size_t end) {
   const std::uint32_t pixel = behind_[sorted_[begin]].pixel;
@@ -282,38 +307,43 @@ void SampledCell::shade_layers(std::size_t begin, std::size_t end) {
     const FragmentBehind& f = behind_[sorted_[i]];
     layers_.push_back({f.depth, f.weight, f.disc, static_cast<std::uint32_t>(i)});
   }
-  const auto nearer = [](const Layer& a, const Layer& b) {
-    return a.depth != b.depth ? a.depth < b.depth : a.order < b.order;
-  };
-  std::sort(layers_.begin(), layers_.end(), nearer);
   float through = buffers_->weight[pixel];
+  // Light rarely gets through many: each of the first few is picked out of what is left, which stays in
+  // order.
+  for (int layer = 0; layer < picked_layers && !layers_.empty() && through > opaque_transmittance; ++layer) {
+    float nearest = infinity, limit = 0.0f;
+    for (const Layer& f : layers_) {
+      if (f.depth > nearest) continue;
+      const float reached = f.depth + tolerance_of(f.disc);
+      limit = f.depth == nearest ? std::max(limit, reached) : reached;
+      nearest = f.depth;
+    }
+    LayerSum sum;
+    std::size_t kept = 0;
+    for (const Layer& f : layers_) {
+      if (f.depth <= limit)
+        add_to_layer(f, sum);
+      else
+        layers_[kept++] = f;
+    }
+    layers_.resize(kept);
+    shade_layer(sum, pixel, through);
+  }
+  if (layers_.empty() || !(through > opaque_transmittance)) return;
+
+  std::sort(layers_.begin(), layers_.end(), [](const Layer& a, const Layer& b) { return a.depth < b.depth; });
+  const auto at = [&](std::size_t i) { return layers_.begin() + static_cast<std::ptrdiff_t>(i); };
   for (std::size_t first = 0; first < layers_.size() && through > opaque_transmittance;) {
     float limit = layers_[first].depth + tolerance_of(layers_[first].disc);
     std::size_t last = first + 1;
     for (; last < layers_.size() && layers_[last].depth == layers_[first].depth; ++last)
       limit = std::max(limit, layers_[last].depth + tolerance_of(layers_[last].disc));
     while (last < layers_.size() && layers_[last].depth <= limit) ++last;
-    std::sort(layers_.begin() + static_cast<std::ptrdiff_t>(first),
-              layers_.begin() + static_cast<std::ptrdiff_t>(last),
-              [](const Layer& a, const Layer& b) { return a.order < b.order; });
-    float weight = 0.0f, sum[4] = {0.0f, 0.0f, 0.0f, 0.0f}, depth = 0.0f;
-    for (std::size_t i = first; i < last; ++i) {
-      float own[4];
-      const float* rgba = color_of(layers_[i].disc, own);
-      weight += layers_[i].weight;
-      for (int c = 0; c < 4; ++c) sum[c] += layers_[i].weight * rgba[c];
-      depth += layers_[i].weight * layers_[i].depth;
-    }
+    std::sort(at(first), at(last), [](const Layer& a, const Layer& b) { return a.order < b.order; });
+    LayerSum sum;
+    for (std::size_t i = first; i < last; ++i) add_to_layer(layers_[i], sum);
+    shade_layer(sum, pixel, through);
     first = last;
-    if (!(weight >= std::numeric_limits<float>::min())) continue;
-    const float divisor = rule_.hard || weight >= rule_.edge_weight ? weight : rule_.edge_weight;
-    const float inverse = 1.0f / divisor, alpha = std::min(sum[3] / divisor, 1.0f);
-    buffers_->red[pixel] += through * (sum[0] * inverse);
-    buffers_->green[pixel] += through * (sum[1] * inverse);
-    buffers_->blue[pixel] += through * (sum[2] * inverse);
-    buffers_->alpha[pixel] += through * alpha;
-    buffers_->depth[pixel] += through * (alpha * (depth / weight));
-    through *= 1.0f - alpha;
   }
 }
 
@@ -336,11 +366,18 @@ void SampledCell::flush() {
   unflushed_ = 0;
 }
 
-double SampledCell::alternating_squares() const {
-  double squares = 0.0;
-  for (const float* sum : {sums_->alternating_red, sums_->alternating_green, sums_->alternating_blue})
-    for (int y = 0; y < cell_.height; ++y)
-      for (int x = 0; x < cell_.width; ++x) squares += std::pow(double{sum[y * cell_pitch + x]}, 2.0);
+SampledCell::Squares SampledCell::squares() const {
+  Squares squares;
+  for (int y = 0; y < cell_.height; ++y)
+    for (int x = 0; x < cell_.width; ++x) {
+      const int i = y * cell_pitch + x;
+      const double red = double{sums_->alternating_red[i]}, green = double{sums_->alternating_green[i]},
+                   blue = double{sums_->alternating_blue[i]};
+      const double even = double{sums_->even[i]}, odd = double{sums_->odd[i]};
+      squares.alternating += red * red + green * green + blue * blue;
+      squares.grey += (red + green + blue) * (red + green + blue);
+      squares.quarter += even * even + odd * odd;
+    }
   return squares;
 }
 

@@ -43,12 +43,16 @@ class SampledCell {
   /// Begins a cell. `packets` must outlive what is done with it.
   void begin(const Cell& cell, std::span<const PacketRef> packets);
 
-  /// Adds the image at an instant, one ObjectInstant for each object; `alternating` is its weight in the sums
-  /// that the error is estimated from.
-  void add(std::span<const ObjectInstant> instants, float weight, float alternating);
+  /// Adds the image at an instant, one ObjectInstant for each object.
+  void add(std::span<const ObjectInstant> instants, const InstantWeights& weights);
 
-  /// Σ over pixels and R, G, B of the squared alternating sums, the background included.
-  [[nodiscard]] double alternating_squares() const;
+  /// Σ over pixels of squared sums, the background included.
+  struct Squares {
+    double alternating = 0.0;  ///< of R, G and B
+    double grey = 0.0;         ///< of their sum
+    double quarter = 0.0;      ///< of the sums of every other instant, even and odd, of R + G + B
+  };
+  [[nodiscard]] Squares squares() const;
   /// Makes the alternating sums those of all instants so far, which have `weight` in all.
   void alternate_from_sums(double weight);
 
@@ -62,13 +66,17 @@ class SampledCell {
     PacketRef ref;
     Eigen::Vector3d center;
     PacketBounds bounds;
+    /// Patches of the cell that it may touch, both ends included.
+    int patch_x_first = 0, patch_x_last = 0, patch_y_first = 0, patch_y_last = 0;
     std::size_t general_begin = 0, general_end = 0;
     bool placed = false;
   };
-  /// Depth, then the more tolerant, then the order of the points.
   struct Layer {
     float depth, weight;
-    std::uint32_t disc, order;
+    std::uint32_t disc, order;  ///< order: of the points
+  };
+  struct LayerSum {
+    float weight = 0.0f, rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f}, depth = 0.0f;
   };
 
   void select(std::span<const ObjectInstant> instants);
@@ -79,8 +87,10 @@ class SampledCell {
   void shade_behind(std::span<const ObjectInstant> instants, int y_begin, int y_end);
   bool gather_behind(std::span<const ObjectInstant> instants, bool may_give_up);
   void shade_layers(std::size_t begin, std::size_t end);
-  [[nodiscard]] bool hidden(const PacketBounds& bounds) const;
-  [[nodiscard]] bool lit(const PacketBounds& bounds) const;
+  void add_to_layer(const Layer& fragment, LayerSum& sum) const;
+  void shade_layer(const LayerSum& sum, std::uint32_t pixel, float& through);
+  [[nodiscard]] bool hidden(const Visible& v) const;
+  [[nodiscard]] bool lit(const Visible& v) const;
   [[nodiscard]] float tolerance_of(std::uint32_t disc) const;
   [[nodiscard]] const float* color_of(std::uint32_t disc, float (&rgba)[4]) const;
   void flush();

@@ -85,6 +85,14 @@ struct CellSums {
   alignas(64) float depth[cell_floats];  ///< weighted by alpha
   alignas(64) float alternating_red[cell_floats], alternating_green[cell_floats],
       alternating_blue[cell_floats];
+  alignas(64) float even[cell_floats], odd[cell_floats];  ///< grey, of every other instant, alternating
+};
+
+/// What an instant weighs in the sums.
+struct InstantWeights {
+  float weight = 1.0f;
+  float alternating = 0.0f;
+  float even = 0.0f, odd = 0.0f;  ///< one of them at most
 };
 
 struct SurfaceRule {
@@ -129,9 +137,8 @@ struct SampledMath {
   /// Turns sums of front surfaces into light: premultiplied colour, alpha, depth by alpha, and what is let
   /// through. Returns whether any pixel lets light through a surface.
   bool (*shade_front)(const SurfaceRule& rule, CellBuffers& cell, int height);
-  /// Adds an instant to the sums, with a weight, and to the alternating sums with another; there over a
-  /// background.
-  void (*add_instant)(const CellBuffers& cell, float weight, float alternating, const float background[3],
+  /// Adds an instant to the sums, and to those that the error is estimated from; there over a background.
+  void (*add_instant)(const CellBuffers& cell, const InstantWeights& weights, const float background[3],
                       CellSums& sums, int height);
 };
 

@@ -359,6 +359,7 @@ SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const 
         const Vector front = Block::load_from(cell.front + pixel, part);
         const Vector limit = Block::load_from(cell.limit + pixel, part);
         const Mask nearer = met.inside & (met.depth < front), equal = met.inside & (met.depth == front);
+        if (vector_lanes > 1 && bits(nearer | equal) == 0) return;
         const Vector reached = met.depth + tolerance;
         Block::store_to(choose(nearer, met.depth, front), cell.front + pixel, part);
         Block::store_to(choose(nearer, reached, choose(equal, larger(limit, reached), limit)),
@@ -425,8 +426,10 @@ std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, st
     for_each_block<Block4x4>(
         span, static_cast<float>(x_film) - placed.pixel_x[lane],
         static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
+          const Vector limit = Block4x4::load_from(cell.behind + pixel, part);
+          if (bits(limit < all(infinity)) == 0) return;
           const Met met = meet(disc, x, y, near_plane);
-          const Mask behind = met.inside & (Block4x4::load_from(cell.behind + pixel, part) < met.depth);
+          const Mask behind = met.inside & (limit < met.depth);
           std::uint32_t found = bits(behind);
           if (found == 0) return;
           alignas(64) float rho[vector_lanes], depth[vector_lanes];
@@ -505,28 +508,29 @@ bool shade_front_text(const SurfaceRule& rule, CellBuffers& cell, int height) {
   return any != 0;
 }
 
-void add_instant_text(const CellBuffers& cell, float weight, float alternating, const float background[3],
+void add_instant_text(const CellBuffers& cell, const InstantWeights& weights, const float background[3],
                       CellSums& sums, int height) {
-  const Vector w = all(weight), s = all(alternating), one = all(1.0f);
+  const Vector w = all(weights.weight), s = all(weights.alternating), one = all(1.0f);
+  float* const quarter = weights.odd != 0.0f ? sums.odd : sums.even;
+  const Vector q = all(weights.odd != 0.0f ? weights.odd : weights.even);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < cell_px; x += vector_lanes) {
       const int i = y * cell_pitch + x;
       const Vector alpha = load(cell.alpha + i), left = one - alpha;
-      const auto add = [&](const float* color, float* sum) {
-        store(load(sum + i) + w * load(color + i), sum + i);
-      };
-      add(cell.red, sums.red);
-      add(cell.green, sums.green);
-      add(cell.blue, sums.blue);
-      add(cell.alpha, sums.alpha);
-      add(cell.depth, sums.depth);
-      if (alternating == 0.0f) continue;
-      const auto alternate = [&](const float* color, float behind, float* sum) {
-        store(load(sum + i) + s * (load(color + i) + left * all(behind)), sum + i);
-      };
-      alternate(cell.red, background[0], sums.alternating_red);
-      alternate(cell.green, background[1], sums.alternating_green);
-      alternate(cell.blue, background[2], sums.alternating_blue);
+      const auto add = [&](Vector what, float* sum) { store(load(sum + i) + what, sum + i); };
+      const Vector red = load(cell.red + i), green = load(cell.green + i), blue = load(cell.blue + i);
+      add(w * red, sums.red);
+      add(w * green, sums.green);
+      add(w * blue, sums.blue);
+      add(w * alpha, sums.alpha);
+      add(w * load(cell.depth + i), sums.depth);
+      if (weights.alternating == 0.0f) continue;
+      const Vector over_red = red + left * all(background[0]), over_green = green + left * all(background[1]);
+      const Vector over_blue = blue + left * all(background[2]);
+      add(s * over_red, sums.alternating_red);
+      add(s * over_green, sums.alternating_green);
+      add(s * over_blue, sums.alternating_blue);
+      add(q * ((over_red + over_green) + over_blue), quarter);
     }
 }
 

@@ -22,12 +22,31 @@ std::vector<double> pose_frames(const SurfelCloud& cloud, const Exposure& exposu
   return frames;
 }
 
-/// Spreads the low ten bits to every third bit.
-std::uint32_t every_third_bit(std::uint32_t v) {
-  v = (v | v << 16) & 0x030000ffu;
-  v = (v | v << 8) & 0x0300f00fu;
-  v = (v | v << 4) & 0x030c30c3u;
-  return (v | v << 2) & 0x09249249u;
+/// Place along the Hilbert curve through a cube of 1024³ cells, which never jumps: neighbours along it are
+/// neighbours in space. Source: Skilling, Programming the Hilbert curve (2004).
+std::uint32_t along_hilbert_curve(std::array<std::uint32_t, 3> x) {
+  constexpr std::uint32_t top = 1u << 9;
+  for (std::uint32_t q = top; q > 1; q >>= 1) {
+    const std::uint32_t below = q - 1;
+    for (int i = 0; i < 3; ++i) {
+      if (x[i] & q) {
+        x[0] ^= below;
+      } else {
+        const std::uint32_t swapped = (x[0] ^ x[i]) & below;
+        x[0] ^= swapped;
+        x[i] ^= swapped;
+      }
+    }
+  }
+  x[1] ^= x[0];
+  x[2] ^= x[1];
+  std::uint32_t turned = 0;
+  for (std::uint32_t q = top; q > 1; q >>= 1)
+    if (x[2] & q) turned ^= q - 1;
+  std::uint32_t place = 0;
+  for (int bit = 9; bit >= 0; --bit)
+    for (int i = 0; i < 3; ++i) place = place << 1 | ((x[i] ^ turned) >> bit & 1u);
+  return place;
 }
 
 /// Everything that tells one point from another.
@@ -98,12 +117,12 @@ std::vector<std::uint32_t> content_order(const SurfelCloud& cloud, const std::ve
   const double widest = range.maxCoeff();
   std::vector<std::uint64_t> entries(count);
   parallel_for_each_index(count, [&](std::size_t i) {
-    std::uint32_t key = 0;
+    std::array<std::uint32_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis) {
       const double place = widest > 0.0 ? (0.5 * at[i][axis] - 0.5 * low[axis]) / widest : 0.0;
-      key |= every_third_bit(static_cast<std::uint32_t>(place * 1023.0)) << axis;
+      cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(place * 1023.0);
     }
-    entries[i] = std::uint64_t{key} << 32 | i;
+    entries[i] = std::uint64_t{along_hilbert_curve(cell)} << 32 | i;
   });
   sort_by_upper_half(entries);
   const Content content(cloud, frames);
@@ -129,11 +148,16 @@ void pack_positions(const SurfelCloud& cloud, PointPackets& packets) {
     std::vector<float>& offsets = packets.offsets.emplace_back(3 * padded);
     parallel_for_each_index(packets.count, [&](std::size_t p) {
       const std::uint32_t* points = packets.points.data() + p * packet_size;
-      // A point in the midst of the others along the curve, so that one far away costs none but itself
-      // digits.
-      origins[p] = surfel_at(cloud, points[packet_size / 2], frame).position;
+      std::array<Eigen::Vector3d, packet_size> at;
+      Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
       for (int lane = 0; lane < packet_size; ++lane) {
-        const Eigen::Vector3d offset = surfel_at(cloud, points[lane], frame).position - origins[p];
+        at[lane] = surfel_at(cloud, points[lane], frame).position;
+        low = low.cwiseMin(at[lane]);
+        high = high.cwiseMax(at[lane]);
+      }
+      origins[p] = low + (0.5 * high - 0.5 * low);
+      for (int lane = 0; lane < packet_size; ++lane) {
+        const Eigen::Vector3d offset = at[lane] - origins[p];
         for (int i = 0; i < 3; ++i)
           offsets[(3 * p + static_cast<std::size_t>(i)) * packet_size + static_cast<std::size_t>(lane)] =
               static_cast<float>(offset[i]);
