@@ -164,8 +164,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const M
   RunStatistics run;
   run.software = "swept " SWEPT_VERSION;
   run.scene = arguments.scene;
-  run.scene_hash = file.hash(method.description);
   run.method = arguments.method;
+  run.picture = method.description;
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
@@ -189,14 +189,20 @@ int render(const RenderArguments& arguments) {
     if (!named) return fail(named.error(), 2);
   }
   Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
-  if (!file) return report_scene_error("render", file.error());
+  if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs = name_outputs(frames, arguments.output, arguments.preview);
   if (!outputs) return fail(outputs.error(), 2);
   const Existing existing = arguments.overwrite       ? Existing::overwrite
                             : arguments.skip_existing ? Existing::skip
                                                       : Existing::refuse;
-  if (const Status status = check_outputs(*outputs, existing); !status) return fail(status.error());
+  const auto origin_of = [&](const FrameOutput& output) -> Result<ExrOrigin> {
+    Result<std::string> hash = file->hash(output.frame);
+    if (!hash) return hash.error();
+    return ExrOrigin{std::move(*hash), method.description};
+  };
+  if (const Status status = check_outputs(*outputs, existing, origin_of); !status)
+    return fail(status.error());
   if (!arguments.stats.empty())
     if (const Status status = check_stats_path(arguments, existing); !status) return fail(status.error());
   return arguments.dry_run ? dry_run(*file, *outputs) : render_all(*file, *outputs, method, arguments);
