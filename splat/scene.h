@@ -13,6 +13,15 @@
 
 namespace swept {
 
+/// Frames, shutter times and keys beyond these either way are refused: a frame is lost in the rounding of
+/// larger ones.
+inline constexpr double most_frame = 1e9;
+
+/// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
+inline constexpr float most_color = 1e30f;
+
+inline constexpr int max_segments = 4096;
+
 /// Shutter times in frames relative to the frame being rendered. open == close is a still image.
 struct Shutter {
   double open = -0.25, close = 0.25;
@@ -28,14 +37,15 @@ enum class Coverage {
   hard,  ///< 1 wherever any kernel covers the pixel centre (Heinzle 2010)
 };
 
-/// What the image is. Every method that renders a scene honours all of it, or refuses.
+/// What the image is. Every method that renders a scene honours all of it, or refuses. Ranges are in the
+/// table of splat/fields.h, where every member has its entry.
 struct ImageModel {
-  double delta = 3.0;             ///< δ of exp(−δ(u²+v²)); (0, 50]
-  double filter_radius_px = 1.0;  ///< pixel filter's radius at the cut-off; [0, 100], 0: none
+  double delta = 3.0;             ///< δ of exp(−δ(u²+v²))
+  double filter_radius_px = 1.0;  ///< pixel filter's radius at the cut-off; 0: none
   Coverage coverage = Coverage::soft;
-  double edge_weight = 0.5;      ///< ρ_edge of soft coverage; (0, 1]
-  double depth_tolerance = 1.0;  ///< ternary depth tolerance in units of the filtered disc's radius; [0, 100]
-  int segments = 0;  ///< linear motion segments over the shutter; [1, 4096], 0: as many as it takes
+  double edge_weight = 0.5;      ///< ρ_edge of soft coverage
+  double depth_tolerance = 1.0;  ///< ternary depth tolerance in units of the filtered disc's radius
+  int segments = 0;              ///< linear motion segments over the shutter; 0: as many as it takes
 
   [[nodiscard]] Status validate() const;
 };

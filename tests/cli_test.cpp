@@ -221,10 +221,10 @@ TEST_F(Command, FramesSkipAndOverwrite) {
   const std::string rendered = content_of(folder_ / "f.001.exr");
   EXPECT_NE(rendered, content_of(folder_ / "f.003.exr"));
 
-  put(folder_ / "f.001.exr", "kept");
   std::filesystem::remove(folder_ / "f.003.exr");
   EXPECT_EQ(swept(line).exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "f.003.exr"));
+  const auto rendered_at = std::filesystem::last_write_time(folder_ / "f.001.exr");
 
   std::vector<std::string> plan = line, skip = line, overwrite = line;
   plan.insert(plan.end(), {"--skip-existing", "--dry-run"});
@@ -236,13 +236,73 @@ TEST_F(Command, FramesSkipAndOverwrite) {
 
   skip.push_back("--skip-existing");
   EXPECT_EQ(swept(skip).exit_code, 0);
-  EXPECT_EQ(content_of(folder_ / "f.001.exr"), "kept");
+  EXPECT_EQ(std::filesystem::last_write_time(folder_ / "f.001.exr"), rendered_at);
   EXPECT_EQ(folder_.names(), all);
 
+  put(folder_ / "f.001.exr", "old");
   overwrite.push_back("--overwrite");
   EXPECT_EQ(swept(overwrite).exit_code, 0);
   EXPECT_EQ(content_of(folder_ / "f.001.exr"), rendered);
   EXPECT_EQ(folder_.names(), all);
+}
+
+TEST_F(Command, WhatIsNotTheFrameIsNotSkipped) {
+  const std::vector<std::string> line = {"render", "{}scene.json", "-o", "{}f.#.exr", "--frames", "1-2"};
+  const auto with = [&](std::initializer_list<std::string> more) {
+    std::vector<std::string> longer = line;
+    longer.insert(longer.end(), more);
+    return swept(longer);
+  };
+  ASSERT_EQ(with({}).exit_code, 0);
+  const std::string first = content_of(folder_ / "f.1.exr"), second = content_of(folder_ / "f.2.exr");
+  struct Foreign {
+    const char* name;
+    std::string content;
+    const char* reason;
+  };
+  const Result<Image> image = read_exr(folder_ / "f.1.exr");
+  ASSERT_TRUE(image.ok());
+  ASSERT_TRUE(write_exr(folder_ / "bare.exr", *image).ok());
+  for (const Foreign& foreign : {Foreign{"text", "not an image", "no whole image"},
+                                 {"torn", first.substr(0, first.size() - 1), "no whole image"},
+                                 {"another frame", second, "another frame"},
+                                 {"no hash", content_of(folder_ / "bare.exr"), "does not say"}}) {
+    put(folder_ / "f.1.exr", foreign.content);
+    const Outcome outcome = with({"--skip-existing"});
+    EXPECT_EQ(outcome.exit_code, 1) << foreign.name;
+    EXPECT_NE(outcome.err.find(foreign.reason), std::string::npos) << foreign.name << outcome.err;
+    EXPECT_EQ(content_of(folder_ / "f.1.exr"), foreign.content) << foreign.name;
+  }
+  put(folder_ / "f.1.exr", first);
+  EXPECT_NE(with({"--skip-existing", "--method", "reference"}).err.find("was rendered by abuffer"),
+            std::string::npos);
+  EXPECT_EQ(with({"--skip-existing", "--delta", "4"}).exit_code, 1);
+  // An empty file holds nothing.
+  put(folder_ / "f.1.exr", "");
+  EXPECT_EQ(with({"--skip-existing"}).exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "f.1.exr"), first);
+  // Threads, and what the scene says already, make no other picture.
+  EXPECT_EQ(with({"--skip-existing", "--threads", "1", "--size", "32x24"}).exit_code, 0);
+
+  // The points themselves are another scene too.
+  put(folder_ / "p.xyz", "0 0 0\n0.5 0 0\n0 0.5 0\n0.5 0.5 0\n");
+  std::string text = small_scene;
+  const std::string source = "{\"generator\": \"sphere\", \"points\": 300}";
+  put(scene_, text.replace(text.find(source), source.size(), R"({"file": "p.xyz"}, "radius": 0.1)"));
+  ASSERT_EQ(with({"--overwrite"}).exit_code, 0);
+  EXPECT_EQ(with({"--skip-existing"}).exit_code, 0);
+  put(folder_ / "p.xyz", "0 0 0\n0.5 0 0\n0 0.5 0\n0.5 0.7 0\n");
+  EXPECT_EQ(with({"--skip-existing"}).exit_code, 1);
+}
+
+TEST_F(Command, InfoAndRenderSayTheSameHash) {
+  const json info = json::parse(swept({"info", "{}scene.json", "--json"}).out, nullptr, false);
+  ASSERT_EQ(swept({"render", "{}scene.json", "-o", "{}a.exr", "--stats-json", "{}s.json"}).exit_code, 0);
+  const Result<ExrOrigin> origin = read_exr_origin(folder_ / "a.exr");
+  ASSERT_TRUE(origin.ok());
+  EXPECT_EQ(info["hash"], origin->scene_hash);
+  EXPECT_EQ(json::parse(content_of(folder_ / "s.json"))["frames"][0]["scene_hash"], origin->scene_hash);
+  EXPECT_EQ(origin->method, "abuffer");
 }
 
 TEST_F(Command, AFailedFrameKeepsThoseBeforeIt) {

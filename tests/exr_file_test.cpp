@@ -113,6 +113,7 @@ TEST(WriteExr, HeaderSaysHowTheImageCameToBe) {
   metadata.shutter_close = 0.5;
   metadata.world_to_camera << 0, 1, 0, 2, -1, 0, 0, 3, 0, 0, 1, 4, 0, 0, 0, 1;
   metadata.scene_hash = "0123abcd";
+  metadata.method = "abuffer";
   metadata.software = "swept 1.2.3";
   ASSERT_TRUE(write_exr(folder / "image.exr", noise(3, 2, 4, 5, 20, 10), metadata).ok());
 
@@ -129,6 +130,7 @@ TEST(WriteExr, HeaderSaysHowTheImageCameToBe) {
   EXPECT_EQ(header.typedAttribute<Imf::DoubleAttribute>("shutterClose").value(), 0.5);
   EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("sceneHash").value(), "0123abcd");
   EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("software").value(), "swept 1.2.3");
+  EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("method").value(), "abuffer");
   // ITU-R BT.709: the primaries and D65.
   const Imf::Chromaticities& primaries = Imf::chromaticities(header);
   EXPECT_EQ(primaries.red, Imath::V2f(0.64f, 0.33f));

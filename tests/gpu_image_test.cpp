@@ -62,7 +62,7 @@ Scene spheres() {
 
 Scene dataset(const char* name, double points_scale) {
   SceneOverrides overrides;
-  overrides.size = {{144, 96}};
+  overrides.fields = {{"/film/width", {144}}, {"/film/height", {96}}};
   overrides.points_scale = points_scale;
   Result<SceneFile> file = read_scene_file(std::string(SWEPT_SCENES "/") + name, overrides);
   EXPECT_TRUE(file) << file.error().message();

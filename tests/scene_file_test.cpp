@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -91,7 +92,7 @@ TEST_F(SceneFiles, FieldOfViewFollowsItsAxis) {
     std::string text = replaced(base_scene, "\"axis\": \"vertical\", \"degrees\": 40",
                                 std::string("\"axis\": \"") + axis + "\", \"degrees\": 90");
     SceneOverrides overrides;
-    overrides.size = {400, 300};
+    overrides.fields = {{"/film/width", {400}}, {"/film/height", {300}}};
     EXPECT_DOUBLE_EQ(read(text, overrides).scene().camera.look_ats[0].tan_half_fov_y, tangent) << axis;
   }
 }
@@ -213,11 +214,9 @@ TEST_F(SceneFiles, VelocitiesPerSecondAreDividedByTheFrameRate) {
 
 TEST_F(SceneFiles, OverridesReachTheSceneAndAreValidated) {
   SceneOverrides overrides;
-  overrides.size = {64, 48};
-  overrides.crop = {8, 4, 16, 12};
-  overrides.shutter = Shutter{0.0, 0.5};
-  overrides.segments = 7;
-  overrides.coverage = Coverage::hard;
+  overrides.fields = {{"/film/width", {64}},   {"/film/height", {48}},    {"/film/crop", {8, 4, 16, 12}},
+                      {"/shutter/open", {0}},  {"/shutter/close", {0.5}}, {"/image/segments", {7}},
+                      {"/image/coverage", {1}}};
   const SceneFile file = read(base_scene, overrides);
   EXPECT_EQ(file.scene().film.window_width(), 16);
   EXPECT_EQ(file.scene().shutter.close, 0.5);
@@ -225,7 +224,7 @@ TEST_F(SceneFiles, OverridesReachTheSceneAndAreValidated) {
   EXPECT_EQ(file.scene().objects[0].segments, 0);
   EXPECT_EQ(file.scene().model.coverage, Coverage::hard);
 
-  overrides.crop = {60, 0, 16, 12};
+  overrides.fields["/film/crop"] = {60, 0, 16, 12};
   const Result<SceneFile> outside = read_scene_file(write(base_scene), overrides);
   ASSERT_FALSE(outside.ok());
   EXPECT_EQ(outside.error().field, "/film/crop");
@@ -233,13 +232,40 @@ TEST_F(SceneFiles, OverridesReachTheSceneAndAreValidated) {
 
 TEST_F(SceneFiles, HashFollowsContentAndNotLayout) {
   const SceneFile file = read(base_scene);
-  EXPECT_EQ(file.hash("").size(), 16u);
-  EXPECT_EQ(read(replaced(base_scene, "\"fps\": [", "  \"fps\":[  ")).hash(""), file.hash(""));
-  EXPECT_NE(read(replaced(base_scene, "\"frame\": 7", "\"frame\": 8")).hash(""), file.hash(""));
-  EXPECT_NE(file.hash("samples 2"), file.hash("samples 4"));
+  const auto hash_of = [](const SceneFile& scene, double frame = 7.0) {
+    const Result<std::string> hash = scene.hash(frame);
+    EXPECT_TRUE(hash.ok());
+    return hash.ok() ? *hash : "";
+  };
+  EXPECT_EQ(hash_of(file).size(), 16u);
+  EXPECT_EQ(hash_of(read(replaced(base_scene, "\"fps\": [", "  \"fps\":[  "))), hash_of(file));
+  EXPECT_NE(hash_of(read(replaced(base_scene, "\"frame\": 7", "\"frame\": 8"))), hash_of(file));
+  EXPECT_NE(hash_of(file), hash_of(file, 8.0));
   SceneOverrides overrides;
   overrides.points_scale = 0.5;
-  EXPECT_NE(read(base_scene, overrides).hash(""), file.hash(""));
+  EXPECT_NE(hash_of(read(base_scene, overrides)), hash_of(file));
+  // What the file says already is not another scene.
+  overrides.points_scale = 1.0;
+  overrides.fields["/film/width"] = {320};
+  EXPECT_EQ(hash_of(read(base_scene, overrides)), hash_of(file));
+}
+
+TEST_F(SceneFiles, HashFollowsTheFilesOfTheFrame) {
+  for (int n = 1; n <= 3; ++n) write(triangle(n), "walk." + std::to_string(n) + ".obj");
+  const SceneFile file =
+      read(replaced(base_scene, base_source, R"({"sequence": "walk.#.obj", "first": 1, "last": 3})"));
+  const Result<std::string> first = file.hash(1.0), third = file.hash(3.0);
+  ASSERT_TRUE(first.ok() && third.ok());
+  write(triangle(9), "walk.3.obj");
+  // Another content at a time that the file system may not tell apart: by a reader of its own.
+  const SceneFile again =
+      read(replaced(base_scene, base_source, R"({"sequence": "walk.#.obj", "first": 1, "last": 3})"));
+  EXPECT_EQ(*again.hash(1.0), *first);
+  EXPECT_NE(*again.hash(3.0), *third);
+  std::filesystem::remove(folder_ / "walk.3.obj");
+  const Result<std::string> missing = again.hash(3.0);
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.error().field, "/objects/0/source/sequence");
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ class GeneratedScene : public testing::TestWithParam<Case> {};
 
 TEST_P(GeneratedScene, IsTheReferenceToEightyDecibels) {
   SceneOverrides overrides;
-  overrides.size = {120, 80};
+  overrides.fields = {{"/film/width", {120}}, {"/film/height", {80}}};
   overrides.points_scale = 0.08;
   const std::string path = std::string(SWEPT_SCENES) + "/" + GetParam().name + ".json";
   auto file = read_scene_file(path, overrides);

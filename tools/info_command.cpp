@@ -39,7 +39,7 @@ const char* yes(bool value) { return value ? "yes" : "no"; }
 void print_text(const SceneFile& file, const Scene& scene, const SceneReport& report) {
   const Film& film = scene.film;
   const CameraReport& camera = report.camera;
-  fmt::print("scene     {}, hash {}\n", file.path(), file.hash(""));
+  fmt::print("scene     {}, hash {}\n", file.path(), report.hash);
   fmt::print("frame     {} at {}/{} frames per second\n", report.frame, scene.fps.numerator,
              scene.fps.denominator);
   fmt::print("shutter   {} to {} frames, {:.6g} s, {:.6g} degrees\n", scene.shutter.open, scene.shutter.close,
@@ -91,7 +91,7 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
   const Film& film = scene.film;
   const CameraReport& camera = report.camera;
   Json json = {{"scene", file.path()},
-               {"hash", file.hash("")},
+               {"hash", report.hash},
                {"frame", report.frame},
                {"fps", {scene.fps.numerator, scene.fps.denominator}},
                {"shutter", {{"open", scene.shutter.open}, {"close", scene.shutter.close}}},
@@ -135,11 +135,14 @@ int info(const InfoArguments& arguments) {
   if (arguments.gpus) return list_devices(arguments);
   if (arguments.scene.empty()) throw CLI::RequiredError("scene, or --gpus,");
   Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
-  if (!file) return report_scene_error("info", file.error());
+  if (!file) return report_scene_error("info", file.error(), *arguments.overrides);
   const double frame = arguments.frame.value_or(file->scene().frame);
   const Result<const Scene*> scene = file->scene_at(frame, generate);
-  if (!scene) return report_scene_error("info", scene.error());
-  const SceneReport report = report_scene(*file, **scene);
+  if (!scene) return report_scene_error("info", scene.error(), *arguments.overrides);
+  const Result<std::string> hash = file->hash(frame);
+  if (!hash) return report_scene_error("info", hash.error(), *arguments.overrides);
+  SceneReport report = report_scene(*file, **scene);
+  report.hash = *hash;
   if (arguments.json)
     print_json(*file, **scene, report);
   else

@@ -20,6 +20,27 @@ bool exists(const std::string& path) {
   return fs::exists(path, code);
 }
 
+bool has_content(const std::string& path) {
+  std::error_code code;
+  return exists(path) && fs::file_size(path, code) > 0;
+}
+
+/// Whether the file at `path` is the picture that it would be replaced by.
+Status check_origin(const std::string& path, const ExrOrigin& expected) {
+  const Result<ExrOrigin> found = read_exr_origin(path);
+  const auto refuse = [&](const std::string& what) {
+    return Error{path, "", "exists, but " + what + "; --overwrite replaces it"};
+  };
+  if (!found) return refuse("is no whole image: " + found.error().reason);
+  if (found->scene_hash.empty()) return refuse("does not say which scene it shows");
+  if (found->scene_hash != expected.scene_hash)
+    return refuse("shows another frame, or another scene: its hash is " + found->scene_hash +
+                  ", and this one's " + expected.scene_hash);
+  if (found->method != expected.method)
+    return refuse("was rendered by " + found->method + ", and not by " + expected.method);
+  return Done{};
+}
+
 Result<std::string> name_output(const std::string& option, const std::string& pattern, double frame,
                                 bool several) {
   if (!several && pattern.find_first_of("%#") == std::string::npos) return pattern;
@@ -72,13 +93,15 @@ Status check_output_file(const std::string& path, Existing existing) {
   return check_writable(path, folders);
 }
 
-Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing) {
+Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing, const OriginOf& origin_of) {
   std::set<std::string> folders;
   for (FrameOutput& output : outputs) {
-    if (existing == Existing::skip && exists(output.image) &&
-        (output.preview.empty() || exists(output.preview))) {
-      output.skip = true;
-      continue;
+    if (existing == Existing::skip && has_content(output.image)) {
+      const Result<ExrOrigin> expected = origin_of(output);
+      if (!expected) return expected.error();
+      if (Status same = check_origin(output.image, *expected); !same) return same;
+      output.skip = output.preview.empty() || has_content(output.preview);
+      if (output.skip) continue;
     }
     for (const std::string& path : {output.image, output.preview}) {
       if (path.empty()) continue;

@@ -1,10 +1,11 @@
 // Where the frames of a run go, decided and checked before anything is rendered.
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "splat/io/image_file.h"
 #include "splat/result.h"
 
 namespace swept {
@@ -24,8 +25,14 @@ struct FrameOutput {
                                                             const std::string& image,
                                                             const std::string& preview);
 
-/// Decides what is skipped, and refuses files that exist or cannot be written. Leaves no file behind.
-[[nodiscard]] Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing);
+/// What `image` would say of itself if it held this frame.
+using OriginOf = std::function<Result<ExrOrigin>(const FrameOutput&)>;
+
+/// Decides what is skipped, and refuses files that exist or cannot be written. Leaves no file behind. A frame
+/// is skipped if its image is a whole EXR file of just that origin, and its preview exists. Empty files count
+/// as none, and any other is refused, so that nothing is lost that nobody asked to replace.
+[[nodiscard]] Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing,
+                                   const OriginOf& origin_of);
 
 /// The same for a single file that accompanies the frames; one that exists is replaced unless `refuse`.
 [[nodiscard]] Status check_output_file(const std::string& path, Existing existing);

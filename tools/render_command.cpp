@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,16 +12,13 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "abuffer/abuffer.h"
-#include "abuffer/reference/reference.h"
-#include "abuffer/supersample.h"
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
-#include "tools/gpu_method.h"
 #include "tools/outputs.h"
 #include "tools/render_frames.h"
+#include "tools/render_methods.h"
 #include "tools/scene_options.h"
 #include "tools/stats_json.h"
 
@@ -31,90 +27,12 @@ namespace {
 
 struct RenderArguments {
   std::string scene, output, preview, stats;
-  std::string method = "abuffer", motion = "segments", normalisation = "interval";
   std::vector<int> frames;  ///< empty: the scene's own
-  std::optional<int> samples, subframes;
-  std::string gpu;
-  bool lookup_tables = false, clamp_motion = false, motion_given = false, normalisation_given = false,
-       overwrite = false, skip_existing = false, dry_run = false;
-  int threads = 0;
+  bool overwrite = false, skip_existing = false, dry_run = false;
+  RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
+  std::shared_ptr<const MethodChoice> method;
 };
-
-/// A renderer with its options filled in.
-struct Method {
-  std::shared_ptr<FrameRenderer> renderer;
-  std::vector<std::pair<std::string, double>> options;
-  std::string description;  ///< what of method and options is in the image
-};
-
-/// Options of a method other than the chosen one.
-void check_method_options(const RenderArguments& arguments) {
-  const auto check = [&](const char* option, bool given, const char* methods, bool goes) {
-    if (given && !goes) throw CLI::ValidationError(option, fmt::format("goes with --method {}", methods));
-  };
-  const bool reference = arguments.method == "reference", six_pass = arguments.method == "gpu";
-  const bool gpu = six_pass || arguments.method == "gpu-still";
-  check("--normalisation", arguments.normalisation_given, "abuffer", arguments.method == "abuffer");
-  check("--samples", arguments.samples.has_value(), "reference or cpu-still",
-        reference || arguments.method == "cpu-still");
-  check("--reference-motion", arguments.motion_given, "reference", reference);
-  check("--subframes", arguments.subframes.has_value(), "gpu or gpu-still", gpu);
-  check("--gpu", !arguments.gpu.empty(), "gpu or gpu-still", gpu);
-  check("--lookup-tables", arguments.lookup_tables, "gpu", six_pass);
-  check("--clamp-motion", arguments.clamp_motion, "gpu", six_pass);
-}
-
-Method choose_gpu_method(const RenderArguments& arguments) {
-  GpuChoice choice;
-  choice.still_frames = arguments.method == "gpu-still";
-  choice.subframes = arguments.subframes.value_or(0);
-  choice.lookup_tables = arguments.lookup_tables;
-  choice.clamp_motion = arguments.clamp_motion;
-  choice.device = arguments.gpu;
-  return {gpu_frames(choice),
-          {{"subframes", choice.subframes},
-           {"lookup_tables", choice.lookup_tables ? 1 : 0},
-           {"clamp_motion", choice.clamp_motion ? 1 : 0}},
-          fmt::format("{} {}{}{}", arguments.method, choice.subframes, choice.lookup_tables ? " tables" : "",
-                      choice.clamp_motion ? " clamped" : "")};
-}
-
-Method choose_method(const RenderArguments& arguments) {
-  check_method_options(arguments);
-  if (arguments.method == "gpu" || arguments.method == "gpu-still") return choose_gpu_method(arguments);
-  if (arguments.method == "abuffer") {
-    AbufferOptions options;
-    options.threads = arguments.threads;
-    const bool per_pixel = arguments.normalisation == "pixel";
-    options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
-    return {
-        std::make_shared<OneByOne>([options](const Scene& scene) { return render_abuffer(scene, options); }),
-        {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
-        per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
-  }
-  if (arguments.method == "cpu-still") {
-    SupersampleOptions options;
-    options.threads = arguments.threads;
-    options.samples = arguments.samples.value_or(options.samples);
-    if (const Status valid = options.validate(); !valid)
-      throw CLI::ValidationError("--samples", valid.error().reason);
-    return {std::make_shared<OneByOne>(
-                [options](const Scene& scene) { return render_supersampled(scene, options); }),
-            {{"threads", options.threads}, {"samples", options.samples}},
-            fmt::format("cpu-still {}", options.samples)};
-  }
-  ReferenceOptions options;
-  options.threads = arguments.threads;
-  options.samples = arguments.samples.value_or(options.samples);
-  options.motion = arguments.motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
-  if (const Status valid = options.validate(); !valid)
-    throw CLI::ValidationError("--samples", valid.error().reason);
-  return {
-      std::make_shared<OneByOne>([options](const Scene& scene) { return render_reference(scene, options); }),
-      {{"threads", options.threads}, {"samples", options.samples}},
-      fmt::format("reference {} {}", options.samples, arguments.motion)};
-}
 
 int fail(const Error& error, int exit_code = 1) {
   fmt::print(stderr, "swept render: {}\n", error.message());
@@ -159,13 +77,13 @@ Status check_stats_path(const RenderArguments& arguments, Existing existing) {
   return check_output_file(arguments.stats, existing);
 }
 
-int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const Method& method,
+int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const PreparedMethod& method,
                const RenderArguments& arguments) {
   RunStatistics run;
   run.software = "swept " SWEPT_VERSION;
   run.scene = arguments.scene;
-  run.scene_hash = file.hash(method.description);
-  run.method = arguments.method;
+  run.method = arguments.method->method;
+  run.picture = method.picture;
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
@@ -181,7 +99,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const M
 
 int render(const RenderArguments& arguments) {
   check_arguments(arguments);
-  const Method method = choose_method(arguments);
+  const Result<PreparedMethod> method = prepare_method(*arguments.method, arguments.control);
+  if (!method) throw CLI::ValidationError(method.error().field, method.error().reason);
   std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());
   // What the command line alone gets wrong is found without the scene.
   if (frames.size() > 1) {
@@ -189,17 +108,23 @@ int render(const RenderArguments& arguments) {
     if (!named) return fail(named.error(), 2);
   }
   Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
-  if (!file) return report_scene_error("render", file.error());
+  if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs = name_outputs(frames, arguments.output, arguments.preview);
   if (!outputs) return fail(outputs.error(), 2);
   const Existing existing = arguments.overwrite       ? Existing::overwrite
                             : arguments.skip_existing ? Existing::skip
                                                       : Existing::refuse;
-  if (const Status status = check_outputs(*outputs, existing); !status) return fail(status.error());
+  const auto origin_of = [&](const FrameOutput& output) -> Result<ExrOrigin> {
+    Result<std::string> hash = file->hash(output.frame);
+    if (!hash) return hash.error();
+    return ExrOrigin{std::move(*hash), method->picture};
+  };
+  if (const Status status = check_outputs(*outputs, existing, origin_of); !status)
+    return fail(status.error());
   if (!arguments.stats.empty())
     if (const Status status = check_stats_path(arguments, existing); !status) return fail(status.error());
-  return arguments.dry_run ? dry_run(*file, *outputs) : render_all(*file, *outputs, method, arguments);
+  return arguments.dry_run ? dry_run(*file, *outputs) : render_all(*file, *outputs, *method, arguments);
 }
 
 }  // namespace
@@ -232,54 +157,14 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->excludes(overwrite);
   command->add_flag("--dry-run", arguments->dry_run,
                     "Read everything, check the outputs, print the plan and render nothing");
-  command
-      ->add_option(
-          "--method", arguments->method,
-          "The exact A-buffer, still images averaged, the six passes on a GPU, still images averaged "
-          "there, or the slow reference")
-      ->check(CLI::IsMember({"abuffer", "cpu-still", "gpu", "gpu-still", "reference"}))
-      ->capture_default_str();
-  const auto* normalisation =
-      command
-          ->add_option("--normalisation", arguments->normalisation,
-                       "What the A-buffer divides weights by: those of every visible interval, or once per "
-                       "pixel, as Heinzle et al. 2010 do, which is another image")
-          ->check(CLI::IsMember({"interval", "pixel"}))
-          ->capture_default_str();
-  command->add_option("--samples", arguments->samples,
-                      "Still images that are averaged [cpu-still: 16; reference: 256, even]");
-  const auto* motion =
-      command
-          ->add_option("--reference-motion", arguments->motion,
-                       "What the reference moves the points along: the linear segments, or the true path")
-          ->check(CLI::IsMember({"segments", "smooth"}))
-          ->capture_default_str();
-  command
-      ->add_option(
-          "--subframes", arguments->subframes,
-          "Parts of the exposure that the GPU modes draw one by one; 0 chooses them from the motion [0]")
-      ->check(CLI::Range(0, 65536));
-  command
-      ->add_option(
-          "--gpu", arguments->gpu,
-          "Device of the GPU modes, as `swept info --gpus` lists them; else the environment variable "
-          "SWEPT_GPU, else the first that works")
-      ->type_name("DEVICE");
-  command->add_flag("--lookup-tables", arguments->lookup_tables,
-                    "Six passes: take exp and erf from tables instead of computing them");
-  command->add_flag("--clamp-motion", arguments->clamp_motion,
-                    "Six passes: bend motion out of the discs' planes, as a matrix inverse would need it");
-  command->add_option("--threads", arguments->threads, "Threads; 0 takes all, and none changes a bit")
+  command->add_option("--threads", arguments->control.threads, "Threads; 0 takes all, and none changes a bit")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_option("--stats-json", arguments->stats, "Write counts and times of every frame")
       ->type_name("FILE.json");
+  arguments->method = add_method_options(*command);
   arguments->overrides = add_scene_options(*command);
-  command->callback([arguments, motion, normalisation, &exit_code] {
-    arguments->normalisation_given = normalisation->count() > 0;
-    arguments->motion_given = motion->count() > 0;
-    exit_code = render(*arguments);
-  });
+  command->callback([arguments, &exit_code] { exit_code = render(*arguments); });
 }
 
 }  // namespace swept

@@ -15,7 +15,7 @@
 namespace swept {
 namespace {
 
-ImageMetadata metadata_of(const Scene& scene, const RunStatistics& run) {
+ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, const RunStatistics& run) {
   const double length = scene.shutter.close - scene.shutter.open;
   ImageMetadata metadata;
   metadata.fps_numerator = scene.fps.numerator;
@@ -25,7 +25,8 @@ ImageMetadata metadata_of(const Scene& scene, const RunStatistics& run) {
   metadata.shutter_close = scene.shutter.close;
   const double middle = scene.frame + scene.shutter.open + 0.5 * length;
   metadata.world_to_camera = scene.camera.at(middle).camera_from_world.matrix();
-  metadata.scene_hash = run.scene_hash;
+  metadata.scene_hash = scene_hash;
+  metadata.method = run.picture;
   metadata.software = run.software;
   return metadata;
 }
@@ -47,11 +48,14 @@ class FrameLoop {
     Stopwatch watch;
     const Result<const Scene*> scene = file_.scene_at(output.frame, generate);
     if (!scene) return of_frame(output, scene.error());
+    Result<std::string> hash = file_.hash(output.frame);
+    if (!hash) return of_frame(output, hash.error());
+    statistics.scene_hash = std::move(*hash);
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
     statistics.render_seconds = watch.lap();
-    pending_.push_back({&output, metadata_of(**scene, run_), &statistics});
+    pending_.push_back({&output, metadata_of(**scene, statistics.scene_hash, run_), &statistics});
     return Done{};
   }
 

@@ -1,129 +1,146 @@
 #include "tools/scene_options.h"
 
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "splat/fields.h"
+
 namespace swept {
 namespace {
 
-/// Exactly N numbers with a separator between them and nothing else.
-template <class Number, std::size_t N>
-std::optional<std::array<Number, N>> parse_list(std::string_view text, char separator) {
-  std::array<Number, N> numbers{};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (std::size_t i = 0; i < N; ++i) {
-    if (i > 0 && (at == end || *at++ != separator)) return std::nullopt;
-    const auto [rest, code] = std::from_chars(at, end, numbers[i]);
-    if (code != std::errc()) return std::nullopt;
-    at = rest;
+constexpr const char* scene_group = "Scene, by default as the file says";
+constexpr const char* image_group = "Image model, by default as the file says";
+
+/// An option, and the fields that it sets from left to right.
+struct FieldOption {
+  std::string name;
+  char separator;
+  std::vector<const Field*> fields;
+
+  /// "WIDTHxHEIGHT", "R,G,B[,A]", "soft|hard".
+  [[nodiscard]] std::string type_name() const {
+    std::string text;
+    for (const Field* field : fields) {
+      for (const std::string_view word : field->words) (text += text.empty() ? "" : "|") += word;
+      for (std::size_t i = 0; i < field->numbers.size() && field->words.empty(); ++i) {
+        const bool first = text.empty(), may_lack = i >= field->least;
+        text += may_lack ? "[" : "";
+        if (!first) text += separator;
+        text += field->numbers[i].name;
+        text += may_lack ? "]" : "";
+      }
+    }
+    return text;
   }
-  return at == end ? std::optional(numbers) : std::nullopt;
+
+  [[nodiscard]] std::string help() const {
+    std::string text;
+    for (const Field* field : fields) {
+      (text += text.empty() ? "" : "; ") += field->help;
+      if (field->words.empty() && field->numbers.size() == 1) text += " (" + range_text(*field) + ")";
+    }
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text;
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const { throw CLI::ValidationError(name, reason); }
+
+  /// Exactly as many numbers as the fields have, or fewer where the last may be left out.
+  [[nodiscard]] std::vector<double> numbers_of(std::string_view text) const {
+    std::vector<double> numbers;
+    for (bool more = true; more;) {
+      double value = 0.0;
+      const auto [rest, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (code != std::errc()) return {};
+      text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+      numbers.push_back(value);
+      more = !text.empty() && text.front() == separator;
+      if (more) text.remove_prefix(1);
+    }
+    return text.empty() ? numbers : std::vector<double>();
+  }
+
+  void set(const std::string& text, FieldValues& values) const {
+    if (const Field& field = *fields.front(); !field.words.empty()) {
+      const auto word = std::find(field.words.begin(), field.words.end(), text);
+      if (word == field.words.end()) fail("expected " + type_name() + ", found " + text);
+      values[std::string(field.pointer)] = {static_cast<double>(word - field.words.begin())};
+      return;
+    }
+    const std::vector<double> numbers = numbers_of(text);
+    std::size_t least = 0, most = 0;
+    for (const Field* field : fields) {
+      least += std::min(field->least, field->numbers.size());
+      most += field->numbers.size();
+    }
+    if (numbers.size() < least || numbers.size() > most) fail("expected " + type_name() + ", found " + text);
+    std::size_t begin = 0;
+    for (const Field* field : fields) {
+      const std::size_t end = std::min(numbers.size(), begin + field->numbers.size());
+      std::vector<double> own(numbers.begin() + static_cast<std::ptrdiff_t>(begin),
+                              numbers.begin() + static_cast<std::ptrdiff_t>(end));
+      begin = end;
+      if (const Status legal = field->legal(own); !legal) fail(legal.error().reason + ": " + text);
+      values[std::string(field->pointer)] = std::move(own);
+    }
+  }
+};
+
+std::vector<FieldOption> field_options() {
+  std::vector<FieldOption> options;
+  for (const Field& field : scene_fields()) {
+    if (options.empty() || options.back().name != field.option)
+      options.push_back({std::string(field.option), field.separator, {}});
+    options.back().fields.push_back(&field);
+  }
+  return options;
 }
 
-constexpr int max_side_px = 65536;
-
-void set_size(SceneOverrides& overrides, const std::string& text) {
-  overrides.size = parse_list<int, 2>(text, 'x');
-  if (!overrides.size) throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT in pixels, found " + text);
-  for (const int side : *overrides.size)
-    if (side < 1 || side > max_side_px)
-      throw CLI::ValidationError("--size", fmt::format("sides must be between 1 and {}", max_side_px));
-}
-
-void set_crop(SceneOverrides& overrides, const std::string& text) {
-  overrides.crop = parse_list<int, 4>(text, ',');
-  if (!overrides.crop) throw CLI::ValidationError("--crop", "expected X,Y,WIDTH,HEIGHT, found " + text);
-  const auto& [x, y, width, height] = *overrides.crop;
-  if (x < 0 || y < 0 || width < 1 || height < 1)
-    throw CLI::ValidationError("--crop", "the crop must be a window of at least one pixel inside the film");
-}
-
-void set_shutter(SceneOverrides& overrides, const std::string& text) {
-  const auto times = parse_list<double, 2>(text, ',');
-  if (!times || !std::isfinite((*times)[0]) || !std::isfinite((*times)[1]))
-    throw CLI::ValidationError("--shutter", "expected OPEN,CLOSE in frames, found " + text);
-  overrides.shutter = Shutter{(*times)[0], (*times)[1]};
-  if (overrides.shutter->close < overrides.shutter->open)
-    throw CLI::ValidationError("--shutter", "the shutter closes before it opens");
-}
-
-/// An option of the image model, held to the range that ImageModel::validate() states.
-template <class Member>
-void add_model_option(CLI::App& command, const std::string& name, double ImageModel::*model_member,
-                      const std::shared_ptr<SceneOverrides>& overrides, Member override_member,
-                      const std::string& help) {
-  command
-      .add_option_function<double>(
-          name,
-          [=](const double& value) {
-            ImageModel model;
-            model.*model_member = value;
-            if (const Status valid = model.validate(); !valid)
-              throw CLI::ValidationError(name, valid.error().reason);
-            (*overrides).*override_member = value;
-          },
-          help)
-      ->group("Image");
+/// Whether the number is one and nothing follows.
+std::string check_points_scale(const std::string& text) {
+  double scale = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), scale);
+  const bool number = code == std::errc() && end == text.data() + text.size();
+  return number && scale > 0.0 && std::isfinite(scale) ? "" : "must be above 0: " + text;
 }
 
 }  // namespace
 
 std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
   auto overrides = std::make_shared<SceneOverrides>();
-  const auto add = [&](const char* name, auto set, const char* type, const char* help) {
+  for (const FieldOption& option : field_options()) {
+    const bool of_image = option.fields.front()->group() == "image";
     command
         .add_option_function<std::string>(
-            name, [=](const std::string& text) { set(*overrides, text); }, help)
-        ->type_name(type)
-        ->group("Scene");
-  };
-  add("--size", set_size, "WxH", "Film size in pixels");
-  add("--crop", set_crop, "X,Y,W,H", "Window of the film to compute, pixels from the top left");
-  add("--shutter", set_shutter, "OPEN,CLOSE", "Shutter times in frames relative to the frame");
-  command
-      .add_option("--segments", overrides->segments,
-                  "Linear motion segments over the shutter, for all objects")
-      ->check(CLI::Range(1, 4096))
-      ->group("Scene");
+            option.name,
+            [option, overrides](const std::string& text) { option.set(text, overrides->fields); },
+            option.help())
+        ->type_name(option.type_name())
+        ->group(of_image ? image_group : scene_group);
+  }
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
-      ->check([](const std::string& text) {
-        const auto scale = parse_list<double, 1>(text, ',');
-        return scale && (*scale)[0] > 0.0 && std::isfinite((*scale)[0]) ? "" : "must be above 0: " + text;
-      })
-      ->group("Scene");
-  add_model_option(command, "--delta", &ImageModel::delta, overrides, &SceneOverrides::delta,
-                   "Kernel sharpness, the d of exp(-d r^2)");
-  add_model_option(command, "--filter-radius", &ImageModel::filter_radius_px, overrides,
-                   &SceneOverrides::filter_radius_px, "Pixel filter's radius at the cut-off, pixels");
-  add_model_option(command, "--edge-weight", &ImageModel::edge_weight, overrides,
-                   &SceneOverrides::edge_weight, "Kernel sum at which soft coverage is full");
-  add_model_option(command, "--depth-tolerance", &ImageModel::depth_tolerance, overrides,
-                   &SceneOverrides::depth_tolerance, "Thickness of a surface, in radii");
-  command
-      .add_option_function<std::string>(
-          "--coverage",
-          [=](const std::string& word) {
-            overrides->coverage = word == "soft" ? Coverage::soft : Coverage::hard;
-          },
-          "How silhouettes are covered")
-      ->check(CLI::IsMember({"soft", "hard"}))
-      ->group("Image");
+      ->check(check_points_scale)
+      ->group(scene_group);
   return overrides;
 }
 
-int report_scene_error(const char* command, const Error& error) {
+int report_scene_error(const char* command, const Error& error, const SceneOverrides& overrides) {
   fmt::print(stderr, "swept {}: {}\n", command, error.message());
-  // Files have no crop: it can only be the option.
-  return error.field == "/film/crop" ? 2 : 1;
+  const auto about = [&](const auto& given) { return given.first.starts_with(error.field); };
+  const bool said =
+      !error.field.empty() && std::any_of(overrides.fields.begin(), overrides.fields.end(), about);
+  return said ? 2 : 1;
 }
 
 }  // namespace swept

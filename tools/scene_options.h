@@ -9,12 +9,13 @@
 
 namespace swept {
 
-/// Adds --size, --crop, --shutter, --segments, --points-scale and the options of the image model to
-/// `command`; values out of range are parse errors.
+/// Adds --points-scale and the options of the table of splat/fields.h to `command`; values out of range are
+/// parse errors.
 [[nodiscard]] std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command);
 
-/// Prints `error` to stderr and returns the exit code that it stands for: 2 if only the command line can be
-/// at fault, else 1.
-[[nodiscard]] int report_scene_error(const char* command, const Error& error);
+/// Prints `error` to stderr and returns the exit code that it stands for: 2 if it is about what the command
+/// line said, else 1.
+[[nodiscard]] int report_scene_error(const char* command, const Error& error,
+                                     const SceneOverrides& overrides);
 
 }  // namespace swept

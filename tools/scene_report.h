@@ -31,6 +31,7 @@ struct CameraReport {
 };
 
 struct SceneReport {
+  std::string hash;  ///< SceneFile::hash(frame); left to the caller
   double frame = 0.0, exposure_seconds = 0.0, shutter_angle_degrees = 0.0;
   CameraReport camera;
   std::vector<ObjectReport> objects;

@@ -23,7 +23,7 @@ Json object_of(const std::vector<std::pair<std::string, double>>& pairs) {
 }
 
 Json to_json(const FrameStatistics& frame) {
-  Json json = {{"frame", number_of(frame.frame)}, {"output", frame.output}};
+  Json json = {{"frame", number_of(frame.frame)}, {"output", frame.output}, {"scene_hash", frame.scene_hash}};
   if (frame.skipped) {
     json["skipped"] = true;
     return json;
@@ -42,7 +42,6 @@ Json to_json(const FrameStatistics& frame) {
 std::string to_json(const RunStatistics& run) {
   Json json = {{"software", run.software},
                {"scene", run.scene},
-               {"scene_hash", run.scene_hash},
                {"method", run.method},
                {"film", {{"width", run.width}, {"height", run.height}}},
                {"options", object_of(run.options)},

@@ -12,7 +12,7 @@ namespace swept {
 
 struct FrameStatistics {
   double frame = 0.0;
-  std::string output;
+  std::string output, scene_hash;
   bool skipped = false;
   double load_seconds = 0.0, render_seconds = 0.0, write_seconds = 0.0;  ///< wall time
   Statistics statistics;                                                 ///< the renderer's own
@@ -20,8 +20,9 @@ struct FrameStatistics {
 };
 
 struct RunStatistics {
-  std::string software, scene, scene_hash, method;
-  int width = 0, height = 0;                            ///< of the film, px
+  std::string software, scene, method;
+  std::string picture;        ///< the method with what of its options is in the image, one line
+  int width = 0, height = 0;  ///< of the film, px
   std::vector<std::pair<std::string, double>> options;  ///< of the method
   double peak_memory_bytes = 0.0;                       ///< resident, of the whole process
   std::vector<FrameStatistics> frames;

@@ -21,7 +21,7 @@ namespace swept {
 ///   shutterOpen, shutterClose  double, frames relative to the frame
 ///   worldToCamera    m44f            the transpose of world_to_camera: OpenEXR's points are row vectors,
 ///                                    p_camera = p_world · M; camera axes are x right, y down, z forward
-///   sceneHash, software  string      left out if empty
+///   sceneHash, method, software  string  left out if empty
 ///
 /// beside compression (ZIP), the windows, and the Rec.709 chromaticities.
 struct ImageMetadata {
@@ -30,6 +30,7 @@ struct ImageMetadata {
   double shutter_open = 0.0, shutter_close = 0.0;                 ///< frames relative to the frame
   Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();  ///< for column vectors, mid-shutter
   std::string scene_hash;
+  std::string method;  ///< how the image was computed, with the options that are in it
   std::string software;
 };
 
@@ -51,6 +52,15 @@ enum class ExrPixels {
 /// Errors: missing, truncated and corrupt files, files without R, G or B, and windows of more pixels than
 /// the file's size can hold, whatever its header says.
 [[nodiscard]] Result<Image> read_exr(const std::string& path);
+
+/// What of ImageMetadata tells one picture from another.
+struct ExrOrigin {
+  std::string scene_hash, method;  ///< empty: the file does not say
+};
+
+/// Reads an EXR's header alone. Errors: as read_exr, for what can be known without reading the pixels; also
+/// where a block of them is missing or beyond the file's end.
+[[nodiscard]] Result<ExrOrigin> read_exr_origin(const std::string& path);
 
 /// An 8-bit RGBA preview of the window: colours divided by alpha, clipped to [0, 1], sRGB transfer. Where
 /// alpha is 0 or anything is NaN, 0. Errors as for write_exr.

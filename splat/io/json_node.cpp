@@ -2,64 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <string_view>
 
 #include "splat/io/json_text.h"
+#include "splat/io/suggestion.h"
 
 namespace swept::io {
-namespace {
-
-/// Edits that turn `a` into `b`: letters put in, left out, replaced, or swapped with the next (optimal string
-/// alignment).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) {
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        d[i][j] = i + j;
-        continue;
-      }
-      const std::size_t replaced = d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-      d[i][j] = std::min({replaced, d[i - 1][j] + 1, d[i][j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  }
-  return d[a.size()][b.size()];
-}
-
-/// "; did you mean ...?" where one of `known` is near, else the list of them.
-std::string suggestion(const std::string& word, std::initializer_list<const char*> known) {
-  // A key of a hostile length is not worth the square of it.
-  constexpr std::size_t longest = 64;
-  if (word.size() <= longest) {
-    const auto nearer = [&](const char* a, const char* b) {
-      return edit_distance(word, a) < edit_distance(word, b);
-    };
-    const char* nearest = *std::min_element(known.begin(), known.end(), nearer);
-    if (edit_distance(word, nearest) * 2 <= std::strlen(nearest))
-      return std::string("; did you mean \"") + nearest + "\"?";
-  }
-  std::string list;
-  for (const char* key : known) list += (list.empty() ? "\"" : ", \"") + std::string(key) + '"';
-  return "; known here: " + list;
-}
-
-}  // namespace
-
 void JsonNode::fail(const std::string& reason) const { throw Error{*file_, pointer_, reason}; }
 
 void JsonNode::expect(bool right_type, const char* type) const {
   if (!right_type) fail(std::string("expected ") + type + ", found " + value_->type_name());
 }
 
-void JsonNode::expect_keys(std::initializer_list<const char*> known) const {
+void JsonNode::expect_keys(std::span<const std::string_view> known) const {
   expect(is_object(), "an object");
   for (const auto& [key, value] : value_->items()) {
-    const bool found =
-        std::any_of(known.begin(), known.end(), [&, &name = key](const char* word) { return name == word; });
-    if (!found)
+    if (std::find(known.begin(), known.end(), key) == known.end())
       JsonNode(value, *file_, join_pointer(pointer_, key)).fail("unknown key" + suggestion(key, known));
   }
 }
@@ -122,10 +79,9 @@ const std::string& JsonNode::string() const {
   return value_->get_ref<const std::string&>();
 }
 
-std::size_t JsonNode::one_of(std::initializer_list<const char*> words) const {
+std::size_t JsonNode::one_of(std::span<const std::string_view> words) const {
   const std::string& word = string();
-  const auto found =
-      std::find_if(words.begin(), words.end(), [&](const char* known) { return word == known; });
+  const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end()) fail('"' + word + "\" is not known" + suggestion(word, words));
   return static_cast<std::size_t>(found - words.begin());
 }

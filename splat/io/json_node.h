@@ -6,7 +6,9 @@
 
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,6 +24,7 @@ class JsonNode {
   JsonNode(const nlohmann::json& value, const std::string& file) : value_(&value), file_(&file) {}
 
   [[noreturn]] void fail(const std::string& reason) const;
+  [[nodiscard]] const std::string& file() const { return *file_; }
   [[nodiscard]] const std::string& pointer() const { return pointer_; }
   [[nodiscard]] const nlohmann::json& json() const { return *value_; }
 
@@ -30,7 +33,10 @@ class JsonNode {
   [[nodiscard]] bool is_number() const { return value_->is_number(); }
 
   /// Refuses what is no object, and keys other than these.
-  void expect_keys(std::initializer_list<const char*> known) const;
+  void expect_keys(std::span<const std::string_view> known) const;
+  void expect_keys(std::initializer_list<std::string_view> known) const {
+    expect_keys(std::span<const std::string_view>(known.begin(), known.size()));
+  }
   [[nodiscard]] std::optional<JsonNode> find(const std::string& key) const;
   [[nodiscard]] JsonNode require(const std::string& key) const;
   /// Members of an object in the order of their keys, or elements of an array.
@@ -44,7 +50,10 @@ class JsonNode {
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] const std::string& string() const;
   /// One of these words; returns its index.
-  [[nodiscard]] std::size_t one_of(std::initializer_list<const char*> words) const;
+  [[nodiscard]] std::size_t one_of(std::span<const std::string_view> words) const;
+  [[nodiscard]] std::size_t one_of(std::initializer_list<std::string_view> words) const {
+    return one_of(std::span<const std::string_view>(words.begin(), words.size()));
+  }
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
   [[nodiscard]] Eigen::Vector3d vector3() const;
 

@@ -11,6 +11,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfStringAttribute.h>
 #include <openexr.h>
 
 #include "splat/io/exr_attributes.h"
@@ -27,9 +28,25 @@ constexpr int kRowsPerStrip = 64;
 
 void stay_silent(exr_const_context_t, exr_result_t, const char*) {}
 
+/// Whether every block of scan lines is there, within the file.
+exr_result_t check_scanlines(exr_context_t context, std::uint64_t file_bytes) {
+  exr_attr_box2i_t window{};
+  std::int32_t rows = 0;
+  exr_result_t code = exr_get_data_window(context, 0, &window);
+  if (code == EXR_ERR_SUCCESS) code = exr_get_scanlines_per_chunk(context, 0, &rows);
+  for (std::int64_t y = window.min.y; y <= window.max.y && code == EXR_ERR_SUCCESS; y += rows) {
+    exr_chunk_info_t chunk{};
+    code = exr_read_scanline_chunk_info(context, 0, static_cast<int>(y), &chunk);
+    if (code == EXR_ERR_SUCCESS &&
+        (chunk.data_offset > file_bytes || chunk.packed_size > file_bytes - chunk.data_offset))
+      code = EXR_ERR_CORRUPT_CHUNK;
+  }
+  return code;
+}
+
 /// The header by OpenEXR's C reader, which holds what it says of pixels and chunks against the file's size.
 /// The C++ reader below believes it.
-Status check_header(const std::string& path, std::uint64_t file_bytes) {
+Status check_header(const std::string& path, std::uint64_t file_bytes, bool with_scanlines = false) {
   exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
   options.error_handler_fn = stay_silent;
   exr_context_t context = nullptr;
@@ -38,6 +55,7 @@ Status check_header(const std::string& path, std::uint64_t file_bytes) {
   exr_result_t code = exr_start_read(&context, path.c_str(), &options);
   if (code == EXR_ERR_SUCCESS) code = exr_get_chunk_count(context, 0, &chunks);
   if (code == EXR_ERR_SUCCESS) code = exr_get_chunk_unpacked_size(context, 0, &chunk_bytes);
+  if (code == EXR_ERR_SUCCESS && with_scanlines) code = check_scanlines(context, file_bytes);
   if (context != nullptr) exr_finish(&context);
   if (code != EXR_ERR_SUCCESS) {
     return Error{path, "",
@@ -115,14 +133,32 @@ Result<Image> read(const std::string& path) {
   return image;
 }
 
-}  // namespace
-
-Result<Image> read_exr(const std::string& path) {
+Status check_file(const std::string& path, bool with_scanlines) {
   std::error_code problem;
   const std::uintmax_t file_bytes = std::filesystem::file_size(path, problem);
   if (problem) return Error{path, "", "cannot be read: " + problem.message()};
-  if (const Status status = check_exr_attributes(path, file_bytes); !status) return status.error();
-  if (const Status status = check_header(path, file_bytes); !status) return status.error();
+  if (Status status = check_exr_attributes(path, file_bytes); !status) return status;
+  return check_header(path, file_bytes, with_scanlines);
+}
+
+}  // namespace
+
+Result<ExrOrigin> read_exr_origin(const std::string& path) {
+  if (const Status status = check_file(path, true); !status) return status.error();
+  try {
+    const Imf::InputFile file(path.c_str(), 0);
+    const auto text = [&](const char* name) {
+      const auto* attribute = file.header().findTypedAttribute<Imf::StringAttribute>(name);
+      return attribute == nullptr ? std::string() : attribute->value();
+    };
+    return ExrOrigin{text("sceneHash"), text("method")};
+  } catch (const std::exception& unreadable) {
+    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+  }
+}
+
+Result<Image> read_exr(const std::string& path) {
+  if (const Status status = check_file(path, false); !status) return status.error();
   try {
     return read(path);
   } catch (const std::exception& unreadable) {

@@ -2,26 +2,15 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <filesystem>
 #include <utility>
 
 #include "splat/io/json_text.h"
-#include "splat/io/scene_file.h"
-#include "splat/io/sequence.h"
+#include "splat/io/scene_clouds.h"
+#include "splat/io/source_files.h"
 #include "splat/io/surfel_estimate.h"
 
 namespace swept {
 namespace {
-
-constexpr double max_files_per_shutter = 10'000.0;
-
-Status require_files(const CloudSource& source, const std::string& scene, const std::string& pointer) {
-  std::error_code code;
-  for (const KeyFile& key : source.files)
-    if (!std::filesystem::exists(key.path, code))
-      return Error{scene, pointer, "there is no file " + key.path};
-  return Done{};
-}
 
 /// Attributes that a generator does not know about.
 void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
@@ -51,27 +40,6 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   return LoadedCloud{std::move(*cloud), {}};
 }
 
-/// The files around [first, last]: at or before, at or after, and those between.
-Result<std::vector<KeyFile>> files_around(const SequenceSource& sequence, double first, double last) {
-  double low = std::floor(first), high = std::ceil(last);
-  if (!sequence.cycle) {
-    low = std::clamp<double>(low, sequence.first, sequence.last);
-    high = std::clamp<double>(high, sequence.first, sequence.last);
-  }
-  if (high - low >= max_files_per_shutter)
-    return Error{"", "sequence", "the shutter is open over more than 10000 files"};
-  const double period = 1.0 + sequence.last - sequence.first;
-  std::vector<KeyFile> files;
-  for (double frame = low; frame <= high; frame += 1.0) {
-    const double phase = std::fmod(frame - sequence.first, period);
-    const int number = sequence.first + static_cast<int>(phase < 0.0 ? phase + period : phase);
-    Result<std::string> path = sequence_path(sequence.pattern, number);
-    if (!path) return Error{"", "sequence", path.error().reason};
-    files.push_back({frame, std::move(*path)});
-  }
-  return files;
-}
-
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   CloudSource cloud;
   cloud.velocity_unit = source.velocity;
@@ -86,19 +54,15 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
 
 }  // namespace
 
-/// What is known of the clouds that the scene's objects hold at the moment.
-struct SceneFile::Clouds {
-  struct State {
-    bool keep = false;  ///< loaded, and the same at every frame
-    std::vector<std::string> notes;
-  };
-  std::vector<State> objects;
-};
-
 SceneFile::SceneFile() : clouds_(std::make_unique<Clouds>()) {}
 SceneFile::SceneFile(SceneFile&&) noexcept = default;
 SceneFile& SceneFile::operator=(SceneFile&&) noexcept = default;
 SceneFile::~SceneFile() = default;
+
+Error SceneFile::source_error(const ObjectSource& source, const Error& error) const {
+  const std::string member = error.field.empty() ? "" : '/' + error.field;
+  return {path_, source.pointer + "/source" + member, error.reason};
+}
 
 Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator& generator) const {
   const std::string pointer = source.pointer + "/source";
@@ -109,26 +73,17 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   }
   CloudSource cloud = cloud_source(source, scene_);
   double first = scene_.frame + scene_.shutter.open, last = scene_.frame + scene_.shutter.close;
-  std::string member = "/file";
+  Result<std::vector<KeyFile>> files = io::source_files(source, first, last);
+  if (!files) return source_error(source, files.error());
+  cloud.files = std::move(*files);
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
-    cloud.files.push_back({file->frame, file->path});
-    first = last = file->frame;
-    if (!file->end_path.empty()) {
-      cloud.files.push_back({file->end_frame, file->end_path});
-      last = file->end_frame;
-      member = "";
-    }
+    first = cloud.files.front().frame;
+    last = cloud.files.back().frame;
     cloud.attributes = file->attributes;
     cloud.skip_invalid = file->skip_invalid;
   } else {
-    const auto& sequence = std::get<SequenceSource>(source.points);
-    Result<std::vector<KeyFile>> files = files_around(sequence, first, last);
-    member = "/sequence";
-    if (!files) return Error{path_, pointer + member, files.error().reason};
-    cloud.files = std::move(*files);
-    cloud.attributes = sequence.attributes;
+    cloud.attributes = std::get<SequenceSource>(source.points).attributes;
   }
-  if (const Status status = require_files(cloud, path_, pointer + member); !status) return status.error();
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
   if (!loaded && loaded.error().file.empty())
     return Error{path_, pointer, Error{"", loaded.error().field, loaded.error().reason}.message()};

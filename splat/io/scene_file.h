@@ -2,7 +2,6 @@
 // shutter and objects, and the clouds it refers to.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,6 +14,7 @@
 
 #include <Eigen/Core>
 
+#include "splat/fields.h"
 #include "splat/io/cloud_source.h"
 #include "splat/result.h"
 #include "splat/scene.h"
@@ -62,13 +62,10 @@ struct ObjectSource {
 
 /// What a caller wants otherwise than the file says.
 struct SceneOverrides {
-  std::optional<std::array<int, 2>> size;  ///< width and height, px
-  std::optional<std::array<int, 4>> crop;  ///< x, y, width, height, px
-  std::optional<Shutter> shutter;
-  std::optional<double> delta, filter_radius_px, edge_weight, depth_tolerance;
-  std::optional<Coverage> coverage;
-  std::optional<int> segments;  ///< for all objects, those that name their own included
-  double points_scale = 1.0;    ///< multiplies the point counts of generated objects; > 0
+  /// By the pointers of splat/fields.h, as in {"/film/width", {640}}. "/image/segments" is for all objects,
+  /// those that name their own included.
+  FieldValues fields;
+  double points_scale = 1.0;  ///< multiplies the point counts of generated objects; > 0
 };
 
 /// A scene file that was read and found valid. Clouds are loaded frame by frame.
@@ -92,9 +89,10 @@ class SceneFile {
   /// What the readers of the clouds of the last scene_at() had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;
 
-  /// FNV-1a, 64 bits, of the file's content without its layout, the overrides, and `options`. Clouds count by
-  /// name, not by content. 16 hexadecimal digits.
-  [[nodiscard]] std::string hash(const std::string& options) const;
+  /// What the picture of `frame` follows from, but for the method: the file's content without its layout, the
+  /// overrides, the frame, and size and content of the files that scene_at(frame) reads. FNV-1a, 64 bits, 16
+  /// hexadecimal digits. Errors: files that cannot be read.
+  [[nodiscard]] Result<std::string> hash(double frame) const;
 
  private:
   struct Clouds;
@@ -102,6 +100,8 @@ class SceneFile {
                                            const SceneOverrides& overrides);
   SceneFile();
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
+  /// An error of source_files(), seen from the scene file.
+  [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
 
   std::string path_, canonical_;
   Scene scene_;
@@ -119,5 +119,9 @@ class SceneFile {
 /// The same for a scene file's text, as if it stood in the file `path`, which is not looked at.
 [[nodiscard]] Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                                 const SceneOverrides& overrides = {});
+
+/// The fields of splat/fields.h as they are in `scene`, as a scene file has them: one JSON object, indented.
+/// What is unset is left out.
+[[nodiscard]] std::string fields_to_text(const Scene& scene);
 
 }  // namespace swept

@@ -8,6 +8,12 @@
 
 namespace swept::io {
 
+/// What of the file's root the table of splat/fields.h names.
+void parse_fields(const JsonNode& root, Scene& scene);
+
+/// The names that parse_fields() knows at the root.
+[[nodiscard]] std::vector<std::string_view> root_field_names();
+
 /// `film` gives the aspect that converts horizontal and diagonal fields of view.
 [[nodiscard]] CameraTrack parse_camera(const JsonNode& node, const Film& film);
 

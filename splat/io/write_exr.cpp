@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <ImathMatrix.h>
@@ -87,8 +88,10 @@ Imf::Header header_of(const Image& image, const ImageMetadata& metadata) {
     }
   }
   Imf::addWorldToCamera(header, world_to_camera);
-  if (!metadata.scene_hash.empty()) header.insert("sceneHash", Imf::StringAttribute(metadata.scene_hash));
-  if (!metadata.software.empty()) header.insert("software", Imf::StringAttribute(metadata.software));
+  for (const auto& [name, text] : {std::pair{"sceneHash", &metadata.scene_hash},
+                                   {"method", &metadata.method},
+                                   {"software", &metadata.software}})
+    if (!text->empty()) header.insert(name, Imf::StringAttribute(*text));
   return header;
 }
 

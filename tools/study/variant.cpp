@@ -39,7 +39,10 @@ std::vector<double> motions_px(Scene scene) {
 
 Result<SceneFile> open_variant(const Variant& variant) {
   SceneOverrides overrides;
-  if (variant.size[0] > 0) overrides.size = variant.size;
+  if (variant.size[0] > 0) {
+    overrides.fields["/film/width"] = {static_cast<double>(variant.size[0])};
+    overrides.fields["/film/height"] = {static_cast<double>(variant.size[1])};
+  }
   overrides.points_scale = variant.points_scale;
   if (variant.exposure_scale != 1.0) {
     const Result<SceneFile> plain = read_scene_file(variant.file);
@@ -47,7 +50,8 @@ Result<SceneFile> open_variant(const Variant& variant) {
     const Shutter shutter = plain->scene().shutter;
     const double middle = 0.5 * (shutter.open + shutter.close);
     const double half = 0.5 * (shutter.close - shutter.open) * variant.exposure_scale;
-    overrides.shutter = Shutter{middle - half, middle + half};
+    overrides.fields["/shutter/open"] = {middle - half};
+    overrides.fields["/shutter/close"] = {middle + half};
   }
   return read_scene_file(variant.file, overrides);
 }
@@ -62,7 +66,9 @@ Result<VariantFacts> facts_of(const Variant& variant) {
   const Image window = blank_image((*scene)->film);
   facts.width = window.width;
   facts.height = window.height;
-  facts.hash = file->hash("study");
+  Result<std::string> hash = file->hash(file->scene().frame);
+  if (!hash) return hash.error();
+  facts.hash = std::move(*hash);
   facts.scalable = std::all_of(
       file->sources().begin(), file->sources().end(),
       [](const ObjectSource& source) { return std::holds_alternative<GeneratorSource>(source.points); });

@@ -1,0 +1,63 @@
+// What tells the pictures of scenes apart.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "splat/io/content_hash.h"
+#include "splat/io/scene_clouds.h"
+#include "splat/io/source_files.h"
+
+namespace swept {
+namespace io {
+
+std::string ContentHash::text() const {
+  std::array<char, 17> digits;
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(state_));
+  return digits.data();
+}
+
+Result<std::string> hash_file(const std::string& path) {
+  std::error_code code;
+  // A pipe would be empty for who reads it next, and a device could go on for ever.
+  if (!std::filesystem::is_regular_file(path, code)) return Error{path, "", "is not a regular file"};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{path, "", "cannot be opened for reading"};
+  ContentHash hash;
+  hash.add_part(std::to_string(std::filesystem::file_size(path, code)));
+  std::vector<char> block(std::size_t{1} << 16);
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
+    hash.add({block.data(), static_cast<std::size_t>(file.gcount())});
+  if (file.bad()) return Error{path, "", "cannot be read to its end"};
+  return hash.text();
+}
+
+}  // namespace io
+
+Result<std::string> SceneFile::hash(double frame) const {
+  io::ContentHash hash;
+  hash.add_part(canonical_);
+  hash.add_part(shortest_text(frame));
+  for (const ObjectSource& source : sources_) {
+    const Result<std::vector<KeyFile>> files =
+        io::source_files(source, frame + scene_.shutter.open, frame + scene_.shutter.close);
+    if (!files) return source_error(source, files.error());
+    for (const KeyFile& key : *files) {
+      // A file that is shown at many frames is read once.
+      std::error_code code;
+      Clouds::Content& content = clouds_->contents[key.path];
+      const auto changed = std::filesystem::last_write_time(key.path, code);
+      if (content.hash.empty() || content.changed != changed) {
+        Result<std::string> digits = io::hash_file(key.path);
+        if (!digits) return digits.error();
+        content = {changed, std::move(*digits)};
+      }
+      hash.add_part(shortest_text(key.frame));
+      hash.add_part(content.hash);
+    }
+  }
+  return hash.text();
+}
+
+}  // namespace swept

@@ -1,0 +1,239 @@
+#include "tools/render_methods.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "abuffer/abuffer.h"
+#include "abuffer/reference/reference.h"
+#include "abuffer/supersample.h"
+#include "tools/gpu_method.h"
+
+namespace swept {
+namespace {
+
+#ifdef SWEPT_HAS_GPU
+constexpr bool gpu_built = true;
+#else
+constexpr bool gpu_built = false;
+#endif
+
+Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const RenderControl& control) {
+  AbufferOptions options;
+  options.threads = control.threads;
+  const bool per_pixel = arguments.text("--normalisation", "interval") == "pixel";
+  options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
+  return PreparedMethod{
+      std::make_shared<OneByOne>([options](const Scene& scene) { return render_abuffer(scene, options); }),
+      {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
+      per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
+}
+
+Result<PreparedMethod> prepare_cpu_still(const MethodArguments& arguments, const RenderControl& control) {
+  SupersampleOptions options;
+  options.threads = control.threads;
+  options.samples = arguments.whole("--samples", options.samples);
+  if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene) { return render_supersampled(scene, options); }),
+                        {{"threads", options.threads}, {"samples", options.samples}},
+                        fmt::format("cpu-still {}", options.samples)};
+}
+
+Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const RenderControl& control) {
+  ReferenceOptions options;
+  options.threads = control.threads;
+  options.samples = arguments.whole("--samples", options.samples);
+  const std::string motion = arguments.text("--reference-motion", "segments");
+  options.motion = motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
+  if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
+  return PreparedMethod{
+      std::make_shared<OneByOne>([options](const Scene& scene) { return render_reference(scene, options); }),
+      {{"threads", options.threads}, {"samples", options.samples}},
+      fmt::format("reference {} {}", options.samples, motion)};
+}
+
+Result<PreparedMethod> prepare_gpu(const MethodArguments& arguments, bool still_frames) {
+  GpuChoice choice;
+  choice.still_frames = still_frames;
+  choice.subframes = arguments.whole("--subframes", 0);
+  choice.lookup_tables = arguments.given("--lookup-tables");
+  choice.clamp_motion = arguments.given("--clamp-motion");
+  choice.device = arguments.text("--gpu", "");
+  return PreparedMethod{
+      gpu_frames(choice),
+      {{"subframes", choice.subframes},
+       {"lookup_tables", choice.lookup_tables ? 1 : 0},
+       {"clamp_motion", choice.clamp_motion ? 1 : 0}},
+      fmt::format("{} {}{}{}", still_frames ? "gpu-still" : "gpu", choice.subframes,
+                  choice.lookup_tables ? " tables" : "", choice.clamp_motion ? " clamped" : "")};
+}
+
+Result<PreparedMethod> prepare_six_pass(const MethodArguments& arguments, const RenderControl&) {
+  return prepare_gpu(arguments, false);
+}
+
+Result<PreparedMethod> prepare_gpu_still(const MethodArguments& arguments, const RenderControl&) {
+  return prepare_gpu(arguments, true);
+}
+
+/// Whether `text` is a number of the option's kind and range; else what is wrong with it.
+std::string check_text(const MethodOption& option, const std::string& text) {
+  using Kind = MethodOption::Kind;
+  if (option.kind == Kind::word &&
+      std::find(option.words.begin(), option.words.end(), text) == option.words.end())
+    return fmt::format("{} is none of {}", text, fmt::join(option.words, ", "));
+  if (option.kind != Kind::whole && option.kind != Kind::number) return "";
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return "expected a number, found " + text;
+  if (option.kind == Kind::whole && value != std::floor(value))
+    return "expected a whole number, found " + text;
+  if (value < option.low || value > option.high)
+    return fmt::format("must be between {} and {}: {}", option.low, option.high, text);
+  return "";
+}
+
+const RenderMethod& find_method(std::string_view name) {
+  const auto& methods = render_methods();
+  return *std::find_if(methods.begin(), methods.end(),
+                       [&](const RenderMethod& method) { return method.name == name; });
+}
+
+/// "reference or cpu-still".
+std::string methods_with(std::string_view option) {
+  std::string names;
+  for (const RenderMethod& method : render_methods())
+    if (std::find(method.options.begin(), method.options.end(), option) != method.options.end())
+      (names += names.empty() ? "" : " or ") += method.name;
+  return names;
+}
+
+std::string type_name_of(const MethodOption& option) {
+  switch (option.kind) {
+    case MethodOption::Kind::word:
+      return fmt::format("{}", fmt::join(option.words, "|"));
+    case MethodOption::Kind::text:
+      return std::string(option.type_name);
+    default:
+      return "N";
+  }
+}
+
+}  // namespace
+
+const std::vector<RenderMethod>& render_methods() {
+  static const std::vector<RenderMethod> methods = {
+      {"abuffer", "the exact A-buffer", {"--normalisation"}, true, prepare_abuffer},
+      {"cpu-still", "still images averaged", {"--samples"}, true, prepare_cpu_still},
+      {"gpu",
+       "the six passes on a GPU",
+       {"--subframes", "--gpu", "--lookup-tables", "--clamp-motion"},
+       gpu_built,
+       prepare_six_pass},
+      {"gpu-still", "still images averaged on a GPU", {"--subframes", "--gpu"}, gpu_built, prepare_gpu_still},
+      {"reference", "the slow reference", {"--samples", "--reference-motion"}, true, prepare_reference}};
+  return methods;
+}
+
+const std::vector<MethodOption>& method_options() {
+  using Kind = MethodOption::Kind;
+  static const std::vector<MethodOption> options = {
+      {.name = "--normalisation",
+       .kind = Kind::word,
+       .help = "What the A-buffer divides weights by: those of every visible interval, or once per pixel, as "
+               "Heinzle et al. 2010 do, which is another image [interval]",
+       .words = {"interval", "pixel"}},
+      {.name = "--samples",
+       .kind = Kind::whole,
+       .help = "Still images that are averaged [cpu-still: 16; reference: 256, even]",
+       .low = 1,
+       .high = 1 << 20},
+      {.name = "--reference-motion",
+       .kind = Kind::word,
+       .help = "What the reference moves the points along: the linear segments, or the true path [segments]",
+       .words = {"segments", "smooth"}},
+      {.name = "--subframes",
+       .kind = Kind::whole,
+       .help = "Parts of the exposure that the GPU draws one by one; 0 chooses them from the motion [0]",
+       .low = 0,
+       .high = 65536},
+      {.name = "--gpu",
+       .kind = Kind::text,
+       .help = "Device, as `swept info --gpus` lists them; else the environment variable SWEPT_GPU, else the "
+               "first that works",
+       .type_name = "DEVICE"},
+      {.name = "--lookup-tables", .help = "Take exp and erf from tables instead of computing them"},
+      {.name = "--clamp-motion",
+       .help = "Bend motion out of the discs' planes, as a matrix inverse would need it"}};
+  return options;
+}
+
+double MethodArguments::number(std::string_view option, double otherwise) const {
+  const auto found = texts_.find(option);
+  if (found == texts_.end()) return otherwise;
+  double value = otherwise;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), value);
+  return value;
+}
+
+int MethodArguments::whole(std::string_view option, int otherwise) const {
+  return static_cast<int>(number(option, otherwise));
+}
+
+std::string MethodArguments::text(std::string_view option, std::string_view otherwise) const {
+  const auto found = texts_.find(option);
+  return found == texts_.end() ? std::string(otherwise) : found->second;
+}
+
+std::vector<std::string> MethodArguments::options() const {
+  std::vector<std::string> names;
+  for (const auto& [name, text] : texts_) names.push_back(name);
+  return names;
+}
+
+std::shared_ptr<const MethodChoice> add_method_options(CLI::App& command) {
+  auto choice = std::make_shared<MethodChoice>();
+  choice->method = render_methods().front().name;
+  std::string help = "How to render";
+  std::vector<std::string> names;
+  for (const RenderMethod& method : render_methods()) {
+    help += fmt::format("{} {}: {}{}", names.empty() ? ";" : ",", method.name, method.help,
+                        method.built ? "" : " (not in this build)");
+    names.emplace_back(method.name);
+  }
+  command.add_option("--method", choice->method, help)
+      ->check(CLI::IsMember(names))
+      ->capture_default_str()
+      ->group("Method");
+  for (const MethodOption& option : method_options()) {
+    const std::string name(option.name), help_text = fmt::format("{} ({})", option.help, methods_with(name));
+    if (option.kind == MethodOption::Kind::flag) {
+      command
+          .add_flag_callback(
+              name, [choice, name] { choice->arguments.give(name, ""); }, help_text)
+          ->group("Method");
+      continue;
+    }
+    command
+        .add_option_function<std::string>(
+            name, [choice, name](const std::string& text) { choice->arguments.give(name, text); }, help_text)
+        ->check([&option](const std::string& text) { return check_text(option, text); })
+        ->type_name(type_name_of(option))
+        ->group("Method");
+  }
+  return choice;
+}
+
+Result<PreparedMethod> prepare_method(const MethodChoice& choice, const RenderControl& control) {
+  const RenderMethod& method = find_method(choice.method);
+  for (const std::string& option : choice.arguments.options())
+    if (std::find(method.options.begin(), method.options.end(), option) == method.options.end())
+      return Error{"", option, "goes with --method " + methods_with(option)};
+  return method.prepare(choice.arguments, control);
+}
+
+}  // namespace swept
