@@ -1,5 +1,5 @@
-// PCD, all three encodings. PCL unpacks the compressed one; its reader is not used because it
-// allocates what the header promises, turns words that are no numbers into zeros, and prints.
+// PCD, all three encodings. PCL's own reader is not used because it allocates what the header promises, turns
+// words that are no numbers into zeros, and prints.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include <pcl/io/lzf.h>
+#include <liblzf/lzf.h>
 
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
@@ -219,7 +219,7 @@ Result<Values> read_compressed(const std::string& path, const Header& header, co
   // Three bytes of LZF stand for 264 at most.
   std::string unpacked;
   if (sizes[1] / 88 <= sizes[0]) unpacked.resize(sizes[1]);
-  if (unpacked.empty() || pcl::lzfDecompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) {
+  if (unpacked.empty() || lzf_decompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) {
     return Error{path, "DATA", "the compressed points are damaged"};
   }
   return take_binary(header, layout, needed, unpacked, false);
