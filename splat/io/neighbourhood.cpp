@@ -45,30 +45,30 @@ class Nearest {
   explicit Nearest(std::size_t capacity) : capacity_(capacity) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::size_t point(std::size_t n) const { return entries_[n].point; }
-  [[nodiscard]] double squared_distance(std::size_t n) const { return entries_[n].squared_distance; }
+  [[nodiscard]] std::size_t point(std::size_t n) const { return entries_[n + 1].point; }
+  [[nodiscard]] double squared_distance(std::size_t n) const { return entries_[n + 1].squared_distance; }
 
   // What nanoflann calls, by its names.
   [[nodiscard]] bool full() const { return size_ == capacity_; }
   [[nodiscard]] double worstDist() const {
     // The tree passes over what is not nearer than this. It has to see what is as near, and its own sums are
     // good to a few ulp.
-    return full() ? entries_[size_ - 1].squared_distance * (1.0 + 1e-12) + kLeast
+    return full() ? entries_[size_].squared_distance * (1.0 + 1e-12) + kLeast
                   : std::numeric_limits<double>::max();
   }
   bool addPoint(double squared_distance, std::size_t point) {
     const Entry entry{squared_distance, point};
-    if (full() && !before(entry, entries_[size_ - 1])) return true;
-    std::size_t at = full() ? size_ - 1 : size_++;
-    for (; at > 0 && before(entry, entries_[at - 1]); --at) entries_[at] = entries_[at - 1];
+    std::size_t at = size_ + 1;  // behind all others, and in no one's way if they stay
+    for (; before(entry, entries_[at - 1]); --at) entries_[at] = entries_[at - 1];
     entries_[at] = entry;
+    size_ = std::min(size_ + 1, capacity_);
     return true;
   }
   void sort() {}  // newer versions ask for it
 
  private:
   struct Entry {
-    double squared_distance = 0.0;
+    double squared_distance = -1.0;
     std::size_t point = 0;
   };
   static bool before(const Entry& a, const Entry& b) {
@@ -77,7 +77,7 @@ class Nearest {
   }
   static constexpr double kLeast = std::numeric_limits<double>::min();
 
-  std::array<Entry, kPlaneNeighbours + 1> entries_;
+  std::array<Entry, kPlaneNeighbours + 3> entries_;  // the first is nearer than any point, and stays
   std::size_t capacity_, size_ = 0;
 };
 
