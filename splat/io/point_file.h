@@ -46,9 +46,9 @@ struct PointSet {
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
-  /// There are points, counts agree, every number is finite and in its range, corners of triangles are points.
-  /// Normals may have any length. The error's field names the array and the first offending index; its file
-  /// is left for the caller to fill in.
+  /// There are points, counts agree, every number is finite and in its range, corners of triangles are
+  /// points. Normals may have any length. The error's field names the array and the first offending index;
+  /// its file is left for the caller to fill in.
   [[nodiscard]] Status validate() const;
 };
 
