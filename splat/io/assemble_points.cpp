@@ -182,6 +182,7 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
   }
 
   PointSet set;
+  set.position.reserve(count);  // the largest of them
   const Assembler assembler(columns, plan, values, options.delta);
   std::vector<std::uint32_t> index_of(count, kDropped);
   for (std::size_t i = 0; i < count; ++i) {

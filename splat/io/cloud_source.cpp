@@ -92,7 +92,9 @@ Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& sou
   loaded.notes.insert(loaded.notes.end(), discs->notes.begin(), discs->notes.end());
   loaded.cloud.color = std::move(set.color);
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
-  if (source.color_by_normals) color_by_normals(loaded.cloud);
+  if (source.color_by_normals) {
+    if (Status s = color_by_normals(loaded.cloud); !s) return s.error();
+  }
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);
   return loaded;
@@ -147,7 +149,9 @@ Status add_key(const CloudSource& source, const KeyFile& first, const KeyFile& f
 
 }  // namespace
 
-void color_by_normals(SurfelCloud& cloud) {
+Status color_by_normals(SurfelCloud& cloud) {
+  if (Status s = cloud.validate(); !s) return s;
+  if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
   const SurfelPose& pose = cloud.keys.front().pose;
   cloud.color.resize(pose.size());
   for (std::size_t i = 0; i < pose.size(); ++i) {
@@ -156,10 +160,13 @@ void color_by_normals(SurfelCloud& cloud) {
         pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
     cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
   }
+  return Done{};
 }
 
 Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source) {
   if (Status s = check_options(source); !s) return s.error();
+  if (!std::isfinite(frame)) return option_error("frame", "is not finite");
+  if (Status s = points.validate(); !s) return s.error();
   Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
   if (!loaded) return loaded;
   if (Status s = loaded->cloud.validate(); !s) return s.error();

@@ -46,8 +46,8 @@ struct LoadedCloud {
 };
 
 /// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file
-/// has none.
-void color_by_normals(SurfelCloud& cloud);
+/// has none. Errors: as SurfelCloud::validate(), or no key; the cloud is then as it was.
+[[nodiscard]] Status color_by_normals(SurfelCloud& cloud);
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
 /// at or after `last`, and those between. Axes come from the file; else from its triangles (those of the
@@ -56,7 +56,8 @@ void color_by_normals(SurfelCloud& cloud);
 /// files, frames that do not increase, options out of range.
 [[nodiscard]] Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last);
 
-/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at.
+/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at. Errors: as
+/// PointSet::validate(), as surfels_from_cloud(), a frame that is not finite, options out of range.
 [[nodiscard]] Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source);
 
 }  // namespace swept

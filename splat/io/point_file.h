@@ -45,6 +45,11 @@ struct PointSet {
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
+
+  /// There are points, counts agree, every number is finite and in its range, corners of triangles are
+  /// points. Normals may have any length. The error's field names the array and the first offending index;
+  /// its file is left for the caller to fill in.
+  [[nodiscard]] Status validate() const;
 };
 
 /// Reads one file whole. Gaussian splats are recognised by scale_0, scale_1[, scale_2] and rot_0…3: log

@@ -1,13 +1,14 @@
-// PCD, all three encodings. PCL unpacks the compressed one; its reader is not used because it
-// allocates what the header promises, turns words that are no numbers into zeros, and prints.
+// PCD, all three encodings. PCL's own reader is not used because it allocates what the header promises, turns
+// words that are no numbers into zeros, and prints.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
 
-#include <pcl/io/lzf.h>
+#include <liblzf/lzf.h>
 
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
@@ -34,6 +35,16 @@ struct Header {
 };
 
 using Words = std::vector<std::string>;
+
+/// Headers are a dozen short lines. What they say is kept in pieces that take many times their length.
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
+constexpr const char* kKeywords[] = {"FIELDS", "SIZE",   "TYPE",      "COUNT", "WIDTH",
+                                     "HEIGHT", "POINTS", "VIEWPOINT", "DATA"};
+
+/// A back reference of LZF has three bytes at most, and stands for 264 bytes at most.
+constexpr std::uint32_t kMostPerByte = 88;
+/// Measured clouds come to 1 to 4, those with nothing in most pixels to 20. What unpacks to little may do so.
+constexpr std::uint64_t kLikelyPerByte = 16, kAlwaysUnpacked = std::uint64_t{64} << 20;
 
 /// A whole number ≥ 1 and small enough that products of three do not overflow.
 std::optional<std::uint64_t> whole(const std::string& word, std::uint64_t most) {
@@ -74,12 +85,18 @@ Result<Header> parse_header(const std::string& path, std::string_view bytes) {
   Header header;
   std::size_t at = 0;
   while (!entries.count("DATA")) {
-    const std::size_t end = bytes.find('\n', at);
-    if (end == bytes.npos) return Error{path, "DATA", "the header does not end with it"};
+    const std::size_t end = bytes.substr(0, kMostHeaderBytes).find('\n', at);
+    if (end == bytes.npos) {
+      return Error{path, "DATA",
+                   std::string("the header does not end with it") +
+                       (bytes.size() > kMostHeaderBytes ? " within a megabyte" : "")};
+    }
     LineScanner line(bytes.substr(at, end - at));
     at = end + 1;
     if (!line.next_line()) continue;
-    Words& words = entries[std::string(line.next_token())];
+    const std::string_view key = line.next_token();
+    if (std::find(std::begin(kKeywords), std::end(kKeywords), key) == std::end(kKeywords)) continue;
+    Words& words = entries[std::string(key)];
     words.clear();
     for (auto token = line.next_token(); !token.empty(); token = line.next_token()) words.emplace_back(token);
   }
@@ -216,12 +233,16 @@ Result<Values> read_compressed(const std::string& path, const Header& header, co
                      std::to_string(header.point_bytes) + " bytes, the data " + std::to_string(sizes[1]) +
                      " bytes"};
   }
-  // Three bytes of LZF stand for 264 at most.
-  std::string unpacked;
-  if (sizes[1] / 88 <= sizes[0]) unpacked.resize(sizes[1]);
-  if (unpacked.empty() || pcl::lzfDecompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) {
-    return Error{path, "DATA", "the compressed points are damaged"};
+  const Error damaged{path, "DATA", "the compressed points are damaged"};
+  if (sizes[1] / kMostPerByte > sizes[0]) return damaged;
+  if (sizes[1] > kAlwaysUnpacked && sizes[1] / kLikelyPerByte > sizes[0]) {
+    return Error{path, "DATA",
+                 "would unpack " + std::to_string(sizes[0]) + " bytes to " + std::to_string(sizes[1]) +
+                     ", more than " + std::to_string(kLikelyPerByte) +
+                     " times as many; if these are points, write them with DATA binary"};
   }
+  std::string unpacked(sizes[1], '\0');
+  if (lzf_decompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) return damaged;
   return take_binary(header, layout, needed, unpacked, false);
 }
 

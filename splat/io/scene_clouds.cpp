@@ -13,11 +13,13 @@ namespace swept {
 namespace {
 
 /// Attributes that a generator does not know about.
-void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
+Status apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
   if (source.velocity == VelocityUnit::ignore) cloud.velocity.clear();
   if (source.color) cloud.color.assign(cloud.size(), *source.color);
-  if (source.color_by_normals) color_by_normals(cloud);
-  if (!source.radius && source.radius_scale == 1.0) return;
+  if (source.color_by_normals) {
+    if (Status s = color_by_normals(cloud); !s) return s;
+  }
+  if (!source.radius && source.radius_scale == 1.0) return Done{};
   for (SurfelKey& key : cloud.keys) {
     for (std::size_t i = 0; i < key.pose.size(); ++i) {
       Eigen::Vector3f &u = key.pose.axis_u[i], &v = key.pose.axis_v[i];
@@ -27,6 +29,7 @@ void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
       v = (v.cast<double>() * source.radius_scale).cast<float>();
     }
   }
+  return Done{};
 }
 
 Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSource& source,
@@ -35,7 +38,9 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (!(count < 1e15)) return Error{"", "points", "too many points"};
   Result<SurfelCloud> cloud = generator(points.shape, static_cast<std::size_t>(count), points.parameters);
   if (!cloud) return cloud.error();
-  apply_overrides(source, *cloud);
+  // The caller's generator may return anything.
+  if (const Status valid = cloud->validate(); !valid) return valid.error();
+  if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
   if (const Status valid = cloud->validate(); !valid) return valid.error();
   return LoadedCloud{std::move(*cloud), {}};
 }

@@ -1,12 +1,12 @@
 // One-rings straight from the list of triangles: files hold triangles that share an edge three times or
 // turn the wrong way, and a half-edge mesh leaves those out.
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "splat/io/check_points.h"
 #include "splat/io/neighbourhood.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -105,10 +105,11 @@ Status fit_lone(const Positions& positions, EstimatedSurfels& surfels) {
 
 Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Triangles& triangles) {
   const std::size_t count = positions.size();
+  if (Status s = check_positions(positions); !s) return s.error();
+  if (Status s = check_triangles(triangles, count); !s) return s.error();
   Positions normal(count, Eigen::Vector3d::Zero());
   std::vector<double> area(count, 0.0);
   for (const auto& [a, b, c] : triangles) {
-    assert(a < count && b < count && c < count);
     const Eigen::Vector3d n = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
     for (const std::uint32_t corner : {a, b, c}) {
       normal[corner] += n;
@@ -136,6 +137,7 @@ Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Tri
     surfels.notes.push_back(std::to_string(surfels.unoriented.size()) +
                             " vertices without triangles of any area, estimated from their nearest points");
   }
+  if (Status s = check_axes(surfels.pose); !s) return s.error();
   return surfels;
 }
 

@@ -1,5 +1,6 @@
 # What a consumer gets: find_package(swept) and the targets swept::splat, swept::io, swept::abuffer and, where
-# it was built, swept::gpu.
+# it was built, swept::gpu. find_package(swept COMPONENTS pcl) adds swept::pcl, and looks for PCL; components that
+# were not built are not found.
 include(CMakePackageConfigHelpers)
 
 set(swept_include ${CMAKE_INSTALL_INCLUDEDIR}/swept)
@@ -26,6 +27,14 @@ foreach(library IN LISTS swept_libraries)
   install(TARGETS swept_${library} EXPORT sweptTargets)
 endforeach()
 install(EXPORT sweptTargets NAMESPACE swept:: DESTINATION ${swept_package})
+
+# Apart from the others, so that who does not ask for it needs no PCL.
+if(SWEPT_PCL)
+  install(FILES splat/io/pcl/point_cloud.h DESTINATION ${swept_include}/splat/io/pcl)
+  set_target_properties(swept_pcl PROPERTIES EXPORT_NAME pcl)
+  install(TARGETS swept_pcl EXPORT sweptPclTargets)
+  install(EXPORT sweptPclTargets NAMESPACE swept:: DESTINATION ${swept_package})
+endif()
 
 configure_package_config_file(tools/cmake/sweptConfig.cmake.in sweptConfig.cmake
                               INSTALL_DESTINATION ${swept_package})
