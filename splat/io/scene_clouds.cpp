@@ -48,7 +48,7 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (!cloud) return cloud.error();
   apply_overrides(source, *cloud);
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}};
+  return LoadedCloud{std::move(*cloud), {}, {}};
 }
 
 /// The files around [first, last]: at or before, at or after, and those between.
@@ -119,6 +119,8 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
       member = "";
     }
     cloud.attributes = file->attributes;
+    cloud.color_range = file->stored.range;
+    cloud.color_space = file->stored.space;
     cloud.skip_invalid = file->skip_invalid;
   } else {
     const auto& sequence = std::get<SequenceSource>(source.points);
@@ -127,6 +129,8 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
     if (!files) return Error{path_, pointer + member, files.error().reason};
     cloud.files = std::move(*files);
     cloud.attributes = sequence.attributes;
+    cloud.color_range = sequence.stored.range;
+    cloud.color_space = sequence.stored.space;
   }
   if (const Status status = require_files(cloud, path_, pointer + member); !status) return status.error();
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
@@ -150,6 +154,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       if (!loaded) return loaded.error();
       scene_.objects[i].cloud = std::move(loaded->cloud);
       state.notes = std::move(loaded->notes);
+      // Without the file's name, so that the frames of a sequence do not all say the same again.
+      for (std::string& line : loaded->report.lines()) state.notes.push_back(std::move(line));
       state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
     } catch (const std::bad_alloc&) {
       return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};
