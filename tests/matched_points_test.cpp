@@ -165,6 +165,19 @@ TEST_F(MatchedPointsTest, WhatAMissingPointNeedsMustBeThere) {
   EXPECT_FALSE(match_by_id(reference, other, 1.0).ok());
 }
 
+TEST_F(MatchedPointsTest, WhatIsMissingIsToldToo) {
+  const auto said = [&](const std::vector<std::string>& names, const Rows& rows) {
+    Sequence sequence(folder_);
+    sequence.add(names, rows);
+    return read_cloud(sequence.source, 0, 0)->report.assumed;
+  };
+  const auto bare = said({"x", "y", "z", "radius"}, {{0, 0, 0, 1}});
+  EXPECT_TRUE(has_part(bare, "no velocities: the points stand still")) << joined(bare);
+  EXPECT_TRUE(has_part(bare, "no colours: white")) << joined(bare);
+  const auto still = said({"x", "y", "z", "radius", "vx", "vy", "vz"}, {{0, 0, 0, 1, 0, 0, 0}});
+  EXPECT_TRUE(has_part(still, "all zero")) << joined(still);
+}
+
 constexpr const char* kCamera =
     R"("camera": {"fov": {"axis": "vertical", "degrees": 40}, "keys": [{"eye": [0,0,5], "target": [0,0,0]}]})";
 

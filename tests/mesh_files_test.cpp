@@ -66,6 +66,20 @@ TEST_F(MeshFilesTest, ObjSaysWhichLinesItDidNotRead) {
   EXPECT_EQ(set->report.unread, (Names{"1 line mtllib", "1 line usemtl", "2 lines vn"}));
 }
 
+TEST_F(MeshFilesTest, ObjPointsWithoutFacesTakeTheirNormals) {
+  const Result<PointSet> set =
+      read_points(write("n.obj", "v 1 2 3 1 0 0\nvn 0 0 2\nv 4 5 6 0 1 0\nvn \\\n0 -3 0\np 1 2\n"));
+  ASSERT_TRUE(set.ok()) << set.error().message();
+  EXPECT_EQ(set->normal, (std::vector<Vector3f>{{0, 0, 1}, {0, -1, 0}}));
+  EXPECT_EQ(set->color[1], Vector3f(0, 1, 0));
+  EXPECT_EQ(set->report.unread, Names{"1 line p"});
+  EXPECT_TRUE(has_part(set->report.assumed, "vn for each v")) << joined(set->report.assumed);
+  EXPECT_TRUE(read_points(write("f.obj", "v 1 2 3\nv 4 5 6\nvn 0 0 1\n"))->normal.empty());
+  const Result<PointSet> bad = read_points(write("b.obj", "v 1 2 3\nvn 0 a 1\n"));
+  ASSERT_FALSE(bad.ok());
+  EXPECT_EQ(bad.error().field, "line 2, vn");
+}
+
 TEST_F(MeshFilesTest, OffInItsSpellings) {
   const std::string square = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 1 3 2\n";
   for (const char* head : {"OFF\n4 2 0\n", "OFF 4 2 0\n", "OFF4 2 0\n", "OFF # c\n\n4 2\n"}) {

@@ -79,6 +79,7 @@ std::vector<Layout> layouts() {
        {"Easting", "Northing", "Height", "Code"},
        {},
        {"Code"}},
+      {"mark.csv", "\xef\xbb\xbfx,y,z\n1,2,3\n4,5,6\n", xyz, {}, {}},
       {"units.txt", "x [m] y [m] z [m]\n1 2 3\n", {}, {}, {}},
   };
 }

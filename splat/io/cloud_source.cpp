@@ -1,5 +1,6 @@
 #include "splat/io/cloud_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -84,7 +85,14 @@ double velocity_scale(const CloudSource& source) {
 }
 
 void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded) {
-  if (set.velocity.empty() || source.velocity_unit == VelocityUnit::ignore) return;
+  if (source.velocity_unit == VelocityUnit::ignore) return;
+  if (set.velocity.empty()) {
+    if (source.files.size() < 2)
+      loaded.report.assumed.push_back("there are no velocities: the points stand still");
+    return;
+  }
+  if (std::all_of(set.velocity.begin(), set.velocity.end(), [](const auto& v) { return v.isZero(0.0f); }))
+    loaded.report.assumed.push_back("the velocities are all zero");
   loaded.cloud.velocity = std::move(set.velocity);
   if (source.velocity_unit == VelocityUnit::per_frame) {
     loaded.report.assumed.push_back("velocities are per frame");
@@ -105,6 +113,8 @@ LoadedCloud first_key(PointSet set, EstimatedSurfels discs, double frame, const 
   loaded.notes = std::move(set.notes);
   loaded.notes.insert(loaded.notes.end(), discs.notes.begin(), discs.notes.end());
   loaded.cloud.color = std::move(set.color);
+  if (loaded.cloud.color.empty() && !source.color && !source.color_by_normals)
+    loaded.report.assumed.push_back("there are no colours: white");
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
   if (source.color_by_normals) color_by_normals(loaded.cloud);
   loaded.cloud.opacity = std::move(set.opacity);

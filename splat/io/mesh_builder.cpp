@@ -1,7 +1,6 @@
 #include "splat/io/mesh_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <utility>
 
@@ -15,12 +14,12 @@ std::optional<std::int64_t> parse_integer(std::string_view token) {
 }
 
 Status MeshBuilder::add_vertex(std::string_view x) {
-  constexpr std::array<const char*, 3> axes{"x", "y", "z"};
   for (std::size_t c = 0; c < 3; ++c) {
     const std::string_view token = c == 0 ? x : lines.next_token();
     const std::optional<double> value = parse_number(token);
     if (!value)
-      return fail(axes[c], token.empty() ? "the vertex has fewer than three numbers" : not_a_number(token));
+      return fail(columns_[c].name,
+                  token.empty() ? "the vertex has fewer than three numbers" : not_a_number(token));
     values_[c].push_back(*value);
   }
   std::size_t count = 0;
@@ -34,6 +33,11 @@ Status MeshBuilder::add_vertex(std::string_view x) {
   return Done{};
 }
 
+void MeshBuilder::add_column(const std::string& name, std::vector<double> values) {
+  columns_.push_back({name});
+  values_.push_back(std::move(values));
+}
+
 std::optional<std::size_t> MeshBuilder::further_numbers() const {
   if (vertex_count() == 0) return 0;
   if (least_ != most_) return std::nullopt;
@@ -45,17 +49,16 @@ Error MeshBuilder::fail(const std::string& what, const std::string& reason) cons
 }
 
 Result<PointSet> MeshBuilder::finish(const std::vector<std::string>& further, const ReadOptions& options) {
-  std::vector<Column> columns{{"x"}, {"y"}, {"z"}};
   for (std::size_t k = 0; k < further.size(); ++k) {
     if (further[k].empty()) continue;
-    columns.push_back({further[k]});
-    std::vector<double>& column = values_.emplace_back();
+    std::vector<double> column;
     column.reserve(vertex_count());
     for (std::size_t i = k; i < further_.size(); i += further.size()) column.push_back(further_[i]);
+    add_column(further[k], std::move(column));
   }
-  const Result<AttributePlan> plan = plan_attributes(path_, columns, options);
+  const Result<AttributePlan> plan = plan_attributes(path_, columns_, options);
   if (!plan) return plan.error();
-  return assemble_points(path_, columns, *plan, values_, std::move(triangles), options);
+  return assemble_points(path_, columns_, *plan, values_, std::move(triangles), options);
 }
 
 }  // namespace swept

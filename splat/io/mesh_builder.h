@@ -32,6 +32,8 @@ class MeshBuilder {
   [[nodiscard]] Status add_vertex(std::string_view x);
 
   [[nodiscard]] std::size_t vertex_count() const { return values_[0].size(); }
+  /// A number of every vertex that does not stand beside its x y z.
+  void add_column(const std::string& name, std::vector<double> values);
   /// How many numbers every vertex has beside x y z; none if they differ.
   [[nodiscard]] std::optional<std::size_t> further_numbers() const;
 
@@ -43,6 +45,7 @@ class MeshBuilder {
  private:
   const std::string& path_;
   std::vector<std::vector<double>> values_ = std::vector<std::vector<double>>(3);
+  std::vector<Column> columns_{{"x"}, {"y"}, {"z"}};
   std::vector<double> further_;              ///< of all vertices, one after the other
   std::size_t least_ = SIZE_MAX, most_ = 0;  ///< of them, a vertex
 };

@@ -32,8 +32,13 @@ Result<PointSet> read_points(const std::string& path, const ReadOptions& options
   }
   const Result<std::string> bytes = read_bytes(path);
   if (!bytes) return bytes.error();
+  // Some write a byte order mark before UTF-8.
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  std::string_view content = *bytes;
+  if (read != read_pcd && read != read_ply && content.substr(0, mark.size()) == mark)
+    content.remove_prefix(mark.size());
   try {
-    return read(path, *bytes, options);
+    return read(path, content, options);
   } catch (const std::bad_alloc&) {
     return Error{path, "", "its points do not fit into memory"};
   }

@@ -1,7 +1,9 @@
 // Vertices and faces of OBJ files, with the colours that many write after x y z.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "splat/io/mesh_builder.h"
 
@@ -39,6 +41,26 @@ std::vector<std::string> further_names(const MeshBuilder& mesh, std::vector<std:
   return {};
 }
 
+/// The normals of points without faces, one a point and in their order.
+Status add_normals(std::string_view bytes, MeshBuilder& mesh) {
+  std::array<std::vector<double>, 3> normals;
+  LineScanner lines(bytes, "", '\\');
+  while (lines.next_line()) {
+    if (lines.next_token() != "vn") continue;
+    for (std::vector<double>& axis : normals) {
+      const std::string_view token = lines.next_token();
+      const std::optional<double> value = parse_number(token);
+      if (!value)
+        return Error{"", "line " + std::to_string(lines.line_number()) + ", vn", not_a_number(token)};
+      axis.push_back(*value);
+    }
+  }
+  mesh.add_column("nx", std::move(normals[0]));
+  mesh.add_column("ny", std::move(normals[1]));
+  mesh.add_column("nz", std::move(normals[2]));
+  return Done{};
+}
+
 }  // namespace
 
 Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const ReadOptions& options) {
@@ -72,6 +94,12 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
   }
   std::vector<std::string> unread, assumed;
   const std::vector<std::string> further = further_names(mesh, unread, assumed);
+  if (const auto normals = others.find("vn");
+      mesh.triangles.empty() && normals != others.end() && normals->second == mesh.vertex_count()) {
+    if (const Status s = add_normals(bytes, mesh); !s) return Error{path, s.error().field, s.error().reason};
+    assumed.push_back("there is a vn for each v, and no face: they are the points' normals");
+    others.erase(normals);
+  }
   Result<PointSet> set = mesh.finish(further, options);
   if (!set) return set;
   for (const auto& [keyword, count] : others)

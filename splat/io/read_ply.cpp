@@ -105,7 +105,12 @@ class PlyReader {
   Result<PointSet> read() {
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
                                      [](const PlyElement& e) { return e.name == "vertex"; });
-    if (vertex == header_.elements.end()) return Error{path_, "vertex", "the file has no such element"};
+    if (vertex == header_.elements.end()) {
+      std::vector<std::string> names;
+      for (const PlyElement& element : header_.elements) names.push_back(element.name);
+      return Error{path_, "vertex",
+                   "the file has no such element" + (names.empty() ? "" : "; it has " + listed(names))};
+    }
     vertex_count_ = vertex->count;
     for (const PlyProperty& p : vertex->properties) {
       column_of_.push_back(columns_.size());
