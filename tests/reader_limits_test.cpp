@@ -72,6 +72,15 @@ TEST_F(ReaderLimitsTest, ManyColumnsOfTextAndFieldsOfPcd) {
   ASSERT_TRUE(pcd.ok()) << pcd.error().message();
   EXPECT_LT(cpu_seconds() - start, 5.0);
   EXPECT_EQ(text->report.unread.size(), static_cast<std::size_t>(many));
+  // A row of millions is no point.
+  std::string row;
+  for (int i = 0; i < 2'000'000; ++i) row += "0 ";
+  const Result<PointSet> wide = read_points(write("r.txt", row));
+  ASSERT_FALSE(wide.ok());
+  EXPECT_EQ(wide.error().field, "line 1");
+  ReadOptions options;
+  options.attributes = {{"position", "3,2,1"}};
+  EXPECT_FALSE(read_points(write("r.txt", row), options).ok());
 }
 
 TEST_F(ReaderLimitsTest, HeadersThatPromiseTooMuchTakeNoMemory) {

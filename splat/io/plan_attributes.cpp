@@ -2,6 +2,8 @@
 #include <array>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 #include "splat/io/attribute_names.h"
 #include "splat/io/attributes.h"
@@ -12,15 +14,37 @@ namespace {
 using Names = std::vector<std::string>;
 using Found = std::vector<std::size_t>;
 
-/// The columns of a file by their names. Of columns with one name the first counts.
+const Names kAlphas{"alpha", "diffusealpha", "cda", "cd3", "colora", "color3", "rgb3"};
+const Names kScales{"scale_0", "scale_1", "scale_2"}, kFlatScales{"scale_0", "scale_1"};
+const Names kQuaternion{"rot_0", "rot_1", "rot_2", "rot_3"}, kHarmonic{"f_dc_0", "f_dc_1", "f_dc_2"};
+constexpr const char* kPacked = "packed_position";
+
+Names split_names(const std::string& list) {
+  Names names;
+  std::size_t begin = 0;
+  while (begin <= list.size()) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    std::string name = list.substr(begin, end - begin);
+    name.erase(0, std::min(name.find_first_not_of(' '), name.size()));
+    name.erase(name.find_last_not_of(' ') + 1);
+    names.push_back(name);
+    begin = end + 1;
+  }
+  return names;
+}
+
+/// The columns of a file by those names that may be asked for: a header can have millions that nobody knows.
+/// Of columns with one name the first counts.
 class ColumnIndex {
  public:
-  explicit ColumnIndex(const std::vector<Column>& columns) {
+  ColumnIndex(const std::vector<Column>& columns, const ReadOptions& options) {
+    const std::unordered_set<std::string> wanted = names_to_ask_for(options);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (columns[c].is_list) continue;
-      exact_.emplace(columns[c].name, c);
-      folded_.emplace(folded(columns[c].name), c);
-      if (!columns[c].number.empty()) numbers_.emplace(columns[c].number, c);
+      if (wanted.count(columns[c].name)) exact_.emplace(columns[c].name, c);
+      if (wanted.count(columns[c].number)) numbers_.emplace(columns[c].number, c);
+      std::string plain = folded(columns[c].name);
+      if (wanted.count(plain)) folded_.emplace(std::move(plain), c);
     }
   }
 
@@ -47,6 +71,25 @@ class ColumnIndex {
   }
 
  private:
+  static std::unordered_set<std::string> names_to_ask_for(const ReadOptions& options) {
+    std::unordered_set<std::string> wanted{kPacked, "a"};
+    for (const AttributeNames& attribute : attribute_names()) {
+      for (const Names& names : attribute.usual) wanted.insert(names.begin(), names.end());
+    }
+    for (const Names* names : {&kAlphas, &kScales, &kQuaternion, &kHarmonic})
+      wanted.insert(names->begin(), names->end());
+    for (const auto& [attribute, list] : options.attributes) {
+      for (const std::string& name : split_names(list)) {
+        for (const char* component : {"", "[0]", "[1]", "[2]"}) {
+          wanted.insert(name + component);
+          wanted.insert(folded(name + component));
+        }
+      }
+    }
+    wanted.erase("");
+    return wanted;
+  }
+
   using Map = std::unordered_map<std::string, std::size_t>;
   static std::optional<std::size_t> at(const Map& map, const std::string& name) {
     const auto it = map.find(name);
@@ -55,20 +98,6 @@ class ColumnIndex {
   }
   Map exact_, folded_, numbers_;
 };
-
-Names split_names(const std::string& list) {
-  Names names;
-  std::size_t begin = 0;
-  while (begin <= list.size()) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    std::string name = list.substr(begin, end - begin);
-    name.erase(0, std::min(name.find_first_not_of(' '), name.size()));
-    name.erase(name.find_last_not_of(' ') + 1);
-    names.push_back(name);
-    begin = end + 1;
-  }
-  return names;
-}
 
 /// Columns the caller asks for by name.
 Result<Found> mapped_columns(const std::string& path, const ColumnIndex& index,
@@ -104,22 +133,22 @@ std::optional<std::size_t> single(const Found& found) {
 }
 
 void plan_gaussians(const ColumnIndex& index, AttributePlan& plan) {
-  Found scales = index.all({"scale_0", "scale_1", "scale_2"});
-  if (scales.empty()) scales = index.all({"scale_0", "scale_1"});
-  const Found q = index.all({"rot_0", "rot_1", "rot_2", "rot_3"});
+  Found scales = index.all(kScales);
+  if (scales.empty()) scales = index.all(kFlatScales);
+  const Found q = index.all(kQuaternion);
   if (scales.empty() || q.empty()) return;
   plan.log_scale = scales;
   std::copy(q.begin(), q.end(), plan.quaternion.begin());
-  if (!plan.color) plan.harmonic = triple(index.all({"f_dc_0", "f_dc_1", "f_dc_2"}));
+  if (!plan.color) plan.harmonic = triple(index.all(kHarmonic));
   plan.normal.reset();  // trainers write zeros there; the disc's own normal is the one that counts
   plan.radius.reset();
 }
 
 Error no_position(const std::string& path, const std::vector<Column>& columns, const ColumnIndex& index) {
   // Files of PlayCanvas hold four numbers in words of 32 bits, relative to the bounds of chunks.
-  if (index.usual("packed_position")) {
+  if (index.usual(kPacked)) {
     return {
-        path, "packed_position",
+        path, kPacked,
         "this is a compressed splat file of PlayCanvas, which is not read; convert it to a plain splat PLY "
         "file, for example with PlayCanvas's splat-transform"};
   }
@@ -170,7 +199,7 @@ void plan_alpha(const ColumnIndex& index, const ReadOptions& options, const std:
   if (plan.opacity || options.attributes.count("opacity")) return;
   if (color.size() == 4) plan.alpha = color[3];
   if (options.attributes.count("color")) return;
-  Names names{"alpha", "diffusealpha", "cda", "cd3", "colora", "color3", "rgb3"};
+  Names names = kAlphas;
   if (!color.empty() && folded(columns[color[0]].name) == "r") names.insert(names.begin(), "a");
   for (const std::string& name : names) {
     if (!plan.alpha) plan.alpha = index.usual(name);
@@ -233,7 +262,7 @@ std::vector<bool> AttributePlan::needed(std::size_t count) const {
 
 Result<AttributePlan> plan_attributes(const std::string& path, const std::vector<Column>& columns,
                                       const ReadOptions& options) {
-  const ColumnIndex index(columns);
+  const ColumnIndex index(columns, options);
   auto attributes = find_attributes(path, index, options);
   if (!attributes) return attributes.error();
   std::map<std::string_view, Found>& found = *attributes;

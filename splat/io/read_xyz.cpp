@@ -10,6 +10,8 @@ namespace swept {
 namespace {
 
 constexpr const char* kSeparators = ",;";
+/// What is known of a column takes a hundred times what its number takes in the file.
+constexpr std::size_t kMostColumns = std::size_t{1} << 20;
 
 /// The rows of the file, one after the other.
 class Rows {
@@ -74,6 +76,10 @@ Result<PointSet> read_xyz(const std::string& path, std::string_view bytes, const
   if (!head) return head.error();
   Rows rows(bytes.substr(head->data), head->lines);
   if (!rows.next()) return Error{path, "", "has no points"};
+  if (rows.tokens.size() > kMostColumns) {
+    return Error{path, rows.line(),
+                 "has " + std::to_string(rows.tokens.size()) + " numbers, at most 1048576 are read"};
+  }
   const std::string_view first = bytes.substr(head->data);
   if (has_decimal_commas(first.substr(0, first.find('\n')))) {
     return Error{path, rows.line(), "seems to have commas for decimal points, which are not read"};

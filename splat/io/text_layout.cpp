@@ -16,6 +16,8 @@ using Values = std::vector<std::vector<double>>;
 
 /// How far the length of a normal that was written with few digits may be from 1.
 constexpr double kUnitTolerance = 0.02;
+/// A longer comment names no columns.
+constexpr std::size_t kMostNames = std::size_t{1} << 16;
 
 std::vector<std::string_view> tokens_of(std::string_view line, std::string_view separators) {
   const std::string blanks = " \t\r\v\f" + std::string(separators);
@@ -36,6 +38,7 @@ Parts parts_of(std::string_view line) {
   const std::size_t begin = std::min({line.find('#'), line.find("//"), line.size()});
   std::string_view comment = line.substr(begin);
   comment.remove_prefix(std::min(comment.find_first_not_of("#/ \t"), comment.size()));
+  if (comment.size() > kMostNames) comment = {};
   return {line.substr(0, begin), comment};
 }
 
