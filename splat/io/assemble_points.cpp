@@ -73,6 +73,10 @@ class Assembler {
         plan.intensity.reset();
       }
     }
+    if (!plan.log_scale.empty()) {
+      assumed.push_back(std::string("Gaussian splats: scales are logarithms, opacities logits") +
+                        (plan.harmonic ? ", colours the first spherical harmonic, sRGB" : ""));
+    }
     for (const auto& c : {plan.opacity, plan.alpha}) {
       if (c) alpha_full_ = alpha_full(columns[*c], values[*c], c == plan.alpha ? scale_.full : 1.0);
     }
