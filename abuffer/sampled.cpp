@@ -29,7 +29,7 @@ namespace swept {
 namespace {
 
 /// Doubling leaves most cells better than they need be, so that each may have so much more than its share.
-constexpr double slack = 2.5;
+constexpr double slack = 3.5;
 
 /// Instants are doubled at most to so many.
 constexpr int most_chosen = 1 << 14;

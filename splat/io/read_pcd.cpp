@@ -10,6 +10,7 @@
 
 #include <liblzf/lzf.h>
 
+#include "splat/io/attribute_names.h"
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
 #include "splat/io/read_formats.h"
@@ -151,10 +152,12 @@ bool is_packed(const Field& field) {
   return (field.name == "rgb" || field.name == "rgba") && field.bytes == 4 && field.count == 1;
 }
 
-/// What the attributes are looked up in: the first entry of each field, and packed colours in three.
+/// What the attributes are looked up in: the first entry of each field, three of vectors, and packed colours
+/// in three.
 struct Layout {
   std::vector<Column> columns;
   std::vector<std::size_t> field;  ///< of each column
+  std::vector<std::size_t> entry;  ///< of that field
   std::vector<int> shift;          ///< right shift of a packed channel; -1: a plain number
 };
 
@@ -163,6 +166,7 @@ Layout layout_of(const Header& header) {
   const auto add = [&](const std::string& name, double full_scale, std::size_t f, int shift) {
     layout.columns.push_back({name, full_scale});
     layout.field.push_back(f);
+    layout.entry.push_back(0);
     layout.shift.push_back(shift);
   };
   for (std::size_t f = 0; f < header.fields.size(); ++f) {
@@ -173,7 +177,16 @@ Layout layout_of(const Header& header) {
       add("blue", 255.0, f, 0);
     } else {
       const double full_scale = field.type == 'F' ? 0.0 : field.bytes == 2 ? 65535.0 : 255.0;
-      add(field.name, full_scale, f, -1);
+      if (field.count != 3 || !is_vector_name(field.name)) {
+        add(field.name, full_scale, f, -1);
+        continue;
+      }
+      add_vector_columns(field.name, full_scale, layout.columns);
+      for (std::size_t entry = 0; entry < 3; ++entry) {
+        layout.field.push_back(f);
+        layout.entry.push_back(entry);
+        layout.shift.push_back(-1);
+      }
     }
   }
   return layout;
@@ -190,7 +203,8 @@ Values take_binary(const Header& header, const Layout& layout, const std::vector
     if (!needed[c]) continue;
     const Field& field = header.fields[layout.field[c]];
     const std::size_t stride = row_wise ? header.point_bytes : field.bytes * field.count;
-    const char* at = body.data() + (row_wise ? field.offset : field.offset * points);
+    const char* at =
+        body.data() + (row_wise ? field.offset : field.offset * points) + field.bytes * layout.entry[c];
     values[c].resize(points);
     for (std::size_t i = 0; i < points; ++i, at += stride) {
       if (layout.shift[c] < 0) {
@@ -277,7 +291,7 @@ Result<Values> read_ascii(const std::string& path, const Header& header, const L
     for (std::size_t c = 0; c < values.size(); ++c) {
       if (!needed[c]) continue;
       const Field& field = header.fields[layout.field[c]];
-      const std::string_view token = tokens[first_number[layout.field[c]]];
+      const std::string_view token = tokens[first_number[layout.field[c]] + layout.entry[c]];
       const std::optional<double> value = parse_number(token);
       if (!value) return Error{path, field.name, point + not_a_number(token)};
       double number = *value;
@@ -316,6 +330,9 @@ Result<PointSet> read_pcd(const std::string& path, std::string_view bytes, const
   const Result<Values> values = read(path, *header, layout, needed, body);
   if (!values) return values.error();
   Result<PointSet> set = assemble_points(path, layout.columns, *plan, *values, {}, options);
+  for (const Field& field : header->fields) {
+    if (set && field.name == "rgba" && is_packed(field)) set->report.unread.push_back("alpha of rgba");
+  }
   if (set && header->posed) set->notes.push_back("the file's VIEWPOINT is not applied");
   return set;
 }

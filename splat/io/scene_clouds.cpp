@@ -42,7 +42,7 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (const Status valid = cloud->validate(); !valid) return valid.error();
   if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}};
+  return LoadedCloud{std::move(*cloud), {}, {}};
 }
 
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
@@ -85,9 +85,14 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
     first = cloud.files.front().frame;
     last = cloud.files.back().frame;
     cloud.attributes = file->attributes;
+    cloud.color_range = file->stored.range;
+    cloud.color_space = file->stored.space;
     cloud.skip_invalid = file->skip_invalid;
   } else {
-    cloud.attributes = std::get<SequenceSource>(source.points).attributes;
+    const auto& sequence = std::get<SequenceSource>(source.points);
+    cloud.attributes = sequence.attributes;
+    cloud.color_range = sequence.stored.range;
+    cloud.color_space = sequence.stored.space;
   }
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
   if (!loaded && loaded.error().file.empty())
@@ -110,6 +115,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       if (!loaded) return loaded.error();
       scene_.objects[i].cloud = std::move(loaded->cloud);
       state.notes = std::move(loaded->notes);
+      // Without the file's name, so that the frames of a sequence do not all say the same again.
+      for (std::string& line : loaded->report.lines()) state.notes.push_back(std::move(line));
       state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
     } catch (const std::bad_alloc&) {
       return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};

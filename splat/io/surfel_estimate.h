@@ -31,9 +31,9 @@ struct EstimatedSurfels {
 /// outside. The axes are the eigenvectors of the one-ring's second moment M = mean(e eᵀ) of the edges e
 /// in that plane, with lengths kRadiusPerSpacing · √(2λ): √(2λ) is h on a triangular grid of spacing h. The
 /// shorter axis is at least a tenth of the longer. Vertices without triangles of any area are estimated from
-/// their nearest points, and counted in the notes. Errors (file left empty): positions that are not finite,
-/// corners that are no vertex, no two distinct points to estimate a lone vertex from, discs beyond the range
-/// of float.
+/// their nearest points, with the front of the nearest other vertex, and counted in the notes. Errors (file
+/// left empty): positions that are not finite, corners that are no vertex, no two distinct points to estimate
+/// a lone vertex from, discs beyond the range of float.
 [[nodiscard]] Result<EstimatedSurfels> surfels_from_mesh(
     const std::vector<Eigen::Vector3d>& positions,
     const std::vector<std::array<std::uint32_t, 3>>& triangles);
