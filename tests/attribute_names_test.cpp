@@ -214,7 +214,8 @@ TEST_F(AttributeNamesTest, VectorsAsFieldsOfPcd) {
   PlyBody body("binary_little_endian");
   for (const double value : {1, 2, 3, 4, 5, 6, 8, 9}) body.put("float", value);
   for (int k = 0; k < 3; ++k) body.put("uchar", 255 * (k % 2));
-  for (const std::string& data : {std::string("DATA ascii\n1 2 3 4 5 6 8 9 0 255 0\n"), "DATA binary\n" + body.bytes()}) {
+  for (const std::string& data :
+       {std::string("DATA ascii\n1 2 3 4 5 6 8 9 0 255 0\n"), "DATA binary\n" + body.bytes()}) {
     const Result<PointSet> set = read_points(write("v.pcd", header + data));
     ASSERT_TRUE(set.ok()) << set.error().message();
     EXPECT_EQ(set->velocity[0], Vector3f(4, 5, 6));
