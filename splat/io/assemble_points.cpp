@@ -55,7 +55,7 @@ class Assembler {
  public:
   Assembler(const std::vector<Column>& columns, AttributePlan& plan, const Values& values,
             const ReadOptions& options, std::vector<std::string>& assumed)
-      : columns_(columns), plan_(plan), values_(values), cutoff_(std::sqrt(2.0 * options.delta)) {
+      : plan_(plan), values_(values), cutoff_(std::sqrt(2.0 * options.delta)) {
     if (plan.color) {
       scale_ = color_scale(columns, *plan.color, values, options);
       assumed.push_back(scale_.assumed);
@@ -210,7 +210,6 @@ class Assembler {
     }
   }
 
-  const std::vector<Column>& columns_;
   const AttributePlan& plan_;
   const Values& values_;
   double cutoff_;

@@ -72,24 +72,25 @@ Result<std::vector<std::vector<double>>> read_rows(const std::string& path, Rows
 }  // namespace
 
 Result<PointSet> read_xyz(const std::string& path, std::string_view bytes, const ReadOptions& options) {
-  const Result<TextHead> head = read_text_head(path, bytes, kSeparators);
-  if (!head) return head.error();
-  Rows rows(bytes.substr(head->data), head->lines);
+  TextHead head = read_text_head(bytes, kSeparators);
+  Rows rows(bytes.substr(head.data), head.lines);
   if (!rows.next()) return Error{path, "", "has no points"};
   if (rows.tokens.size() > kMostColumns) {
     return Error{path, rows.line(),
                  "has " + std::to_string(rows.tokens.size()) + " numbers, at most 1048576 are read"};
   }
-  const std::string_view first = bytes.substr(head->data);
+  const std::string_view first = bytes.substr(head.data);
   if (has_decimal_commas(first.substr(0, first.find('\n')))) {
     return Error{path, rows.line(), "seems to have commas for decimal points, which are not read"};
   }
-  std::vector<Column> columns = columns_of(*head, rows.tokens.size());
+  std::string passed_by;
+  if (const Status s = head.fit_names(path, rows.tokens.size(), passed_by); !s) return s.error();
+  std::vector<Column> columns = columns_of(head, rows.tokens.size());
   // An empty name only leaves an attribute out.
   const bool mapped = std::any_of(options.attributes.begin(), options.attributes.end(),
                                   [](const auto& entry) { return !entry.second.empty(); });
   ReadOptions with_positions = options;
-  const bool infer = head->names.empty() && !mapped;
+  const bool infer = head.names.empty() && !mapped;
   std::vector<bool> needed(columns.size(), true);
   AttributePlan plan;
   if (infer) {
@@ -102,7 +103,7 @@ Result<PointSet> read_xyz(const std::string& path, std::string_view bytes, const
               " numbers; 3, 4, 6, 7 and 9 are understood, others need a header line or named attributes"};
     }
   } else {
-    if (head->names.empty()) with_positions.attributes.insert({"position", "1,2,3"});
+    if (head.names.empty()) with_positions.attributes.insert({"position", "1,2,3"});
     const Result<AttributePlan> planned = plan_attributes(path, columns, with_positions);
     if (!planned) return planned.error();
     plan = *planned;
@@ -112,10 +113,10 @@ Result<PointSet> read_xyz(const std::string& path, std::string_view bytes, const
   const auto values = read_rows(path, rows, columns, needed);
   if (!values) return values.error();
   const std::size_t count = values->at(plan.position[0]).size();
-  if (head->count && *head->count != count) {
+  if (head.count && *head.count != count) {
     return Error{
         path, "header",
-        "the file says it has " + std::to_string(*head->count) + ", and has " + std::to_string(count)};
+        "the file says it has " + std::to_string(*head.count) + ", and has " + std::to_string(count)};
   }
   std::string assumed;
   if (infer) {
@@ -130,7 +131,7 @@ Result<PointSet> read_xyz(const std::string& path, std::string_view bytes, const
   if (!set) return set;
   std::vector<std::string>& said = set->report.assumed;
   if (!assumed.empty()) said.insert(said.begin(), assumed);
-  said.insert(said.end(), head->passed_by.begin(), head->passed_by.end());
+  if (!passed_by.empty()) said.push_back(passed_by);
   return set;
 }
 

@@ -116,7 +116,7 @@ constexpr const char* kSayIt =
 
 }  // namespace
 
-Result<TextHead> read_text_head(const std::string& path, std::string_view text, std::string_view separators) {
+TextHead read_text_head(std::string_view text, std::string_view separators) {
   TextHead head;
   std::vector<std::string_view> names;
   std::size_t names_line = 0, at = 0, number = 0;
@@ -145,19 +145,21 @@ Result<TextHead> read_text_head(const std::string& path, std::string_view text, 
     head.data = std::min(end + 1, text.size());
     at = head.data;
   }
-  if (names.empty()) return head;
-  const std::string_view rest = text.substr(head.data);
-  const std::size_t columns = tokens_of(parts_of(rest.substr(0, rest.find('\n'))).data, separators).size();
-  if (columns == names.size()) {
-    for (const std::string_view name : names) head.names.emplace_back(unquoted(name));
-    return head;
-  }
+  for (const std::string_view name : names) head.names.emplace_back(unquoted(name));
+  head.names_line = names_line;
+  head.names_in_comment = !plain;
+  return head;
+}
+
+Status TextHead::fit_names(const std::string& path, std::size_t columns, std::string& passed_by) {
+  if (names.empty() || names.size() == columns) return Done{};
   const std::string mismatch =
       "has " + std::to_string(names.size()) + " names for " + std::to_string(columns) + " columns";
-  if (plain) return Error{path, "line " + std::to_string(names_line), mismatch};
-  head.passed_by.push_back("the comment in line " + std::to_string(names_line) + " " + mismatch +
-                           ", and is not taken for them");
-  return head;
+  if (!names_in_comment) return Error{path, "line " + std::to_string(names_line), mismatch};
+  names.clear();
+  passed_by =
+      "the comment in line " + std::to_string(names_line) + " " + mismatch + ", and is not taken for them";
+  return Done{};
 }
 
 bool is_known_width(std::size_t columns) {

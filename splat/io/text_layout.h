@@ -13,18 +13,21 @@ namespace swept {
 
 /// The lines before the first point.
 struct TextHead {
-  std::vector<std::string> names;      ///< of the columns, if a line gives them
-  std::optional<std::size_t> count;    ///< of the points, if a line gives it
-  std::size_t data = 0;                ///< offset of the first point's line
-  std::size_t lines = 0;               ///< before it
-  std::vector<std::string> passed_by;  ///< sentences about lines that look like names, and cannot be
+  std::vector<std::string> names;    ///< of the columns, if a line gives them
+  std::size_t names_line = 0;        ///< from 1
+  bool names_in_comment = false;     ///< which may be a comment after all
+  std::optional<std::size_t> count;  ///< of the points, if a line gives it
+  std::size_t data = 0;              ///< offset of the first point's line
+  std::size_t lines = 0;             ///< before it
+
+  /// Holds the names against the number of columns. A comment with more or fewer names none, and `passed_by`
+  /// says so; any other line is an error.
+  [[nodiscard]] Status fit_names(const std::string& path, std::size_t columns, std::string& passed_by);
 };
 
 /// Names stand in the first line that is no comment, if none of its three or more words is a number; or in a
-/// comment ("//X Y Z R G B", "# x y z") that names positions and as many columns as the first row has.
-/// Errors: a line of names, not a comment, that has more or fewer.
-[[nodiscard]] Result<TextHead> read_text_head(const std::string& path, std::string_view text,
-                                              std::string_view separators);
+/// comment ("//X Y Z R G B", "# x y z") that names positions.
+[[nodiscard]] TextHead read_text_head(std::string_view text, std::string_view separators);
 
 /// Names for the columns of a file without a header. `values[c]` is column c, one number a point.
 ///   3     x y z
