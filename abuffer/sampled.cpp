@@ -29,7 +29,8 @@ namespace swept {
 namespace {
 
 /// Doubling leaves most cells better than they need be, so that each may have so much more than its share.
-constexpr double slack = 3.5;
+/// The fewer cells there are, the less can be relied on that.
+[[nodiscard]] double slack(double moving_cells) { return 1.0 + 2.5 * moving_cells / (moving_cells + 24.0); }
 
 /// Instants are doubled at most to so many.
 constexpr int most_chosen = 1 << 14;
@@ -131,8 +132,8 @@ class Renderer {
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-    allowed_mean_square_ =
-        slack * std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+    allowed_mean_square_ = slack(moving_px / (cell_px * cell_px)) *
+                           std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
   }
 
   CellResult render_cell(std::size_t index, SampledCell& renderer, InstantTable& table) {
@@ -151,7 +152,10 @@ class Renderer {
     }
     result.instants = count;
     if (adaptive) {
-      const double allowed = allowed_mean_square_ * 3.0 * cell.width * cell.height;
+      const double of_cell = options_.max_cell_error_db > 0.0
+                                 ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
+                                 : std::numeric_limits<double>::infinity();
+      const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * cell.width * cell.height;
       ErrorEstimate estimate(renderer.squares(), count);
       // Doubled by the instants half-way between: with those at both ends, at half weight, the rule is the
       // trapezoid's.
@@ -247,6 +251,8 @@ Status SampledOptions::validate() const {
     return Error{"", "samples", "must be in [1, 1048576], or 0 to have them chosen"};
   if (!(max_error_db > 0.0 && max_error_db <= 150.0))
     return Error{"", "max_error_db", "must be above 0 and at most 150"};
+  if (!(max_cell_error_db >= 0.0 && max_cell_error_db <= 150.0))
+    return Error{"", "max_cell_error_db", "must be above 0 and at most 150, or 0 where it is not asked for"};
   if (implementation < -1) return Error{"", "implementation", "must be −1 or more"};
   return Done{};
 }

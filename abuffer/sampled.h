@@ -13,8 +13,10 @@ struct SampledOptions {
   /// Instants in every cell in which something moves, at the midpoints of so many strata of the exposure; [1,
   /// 2²⁰]. 0: as many as `max_error_db` takes, cell by cell.
   int samples = 0;
-  /// PSNR that the frame is to reach, dB for peak 1; (0, 150]. Met as far as the estimate sees: see Rendered.
+  /// PSNR that the frame is to reach, dB for peak 1; (0, 150]. Met as far as the estimate sees.
   double max_error_db = 60.0;
+  /// The same for every cell of 64 × 64 px by itself, besides; 0: not asked for. [0, 150]
+  double max_cell_error_db = 0.0;
   /// Implementation of sampled_math.h to use, 0 being the plain loops that define the others; −1: the widest.
   /// Changes no bit.
   int implementation = -1;
