@@ -14,6 +14,7 @@
 
 #include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
+#include "tools/console.h"
 
 namespace swept {
 namespace {
@@ -71,6 +72,11 @@ Status write_difference(const CompareArguments& arguments, const Image& a, const
 
 /// The figures are printed even if what follows fails.
 Status compare(const CompareArguments& arguments) {
+  for (const std::string* input : {&arguments.a, &arguments.b}) {
+    std::error_code code;
+    if (!arguments.difference.empty() && std::filesystem::equivalent(arguments.difference, *input, code))
+      return Error{arguments.difference, "--difference", "is one of the images compared"};
+  }
   const Result<Image> a = read_exr(arguments.a);
   if (!a) return a.error();
   const Result<Image> b = read_exr(arguments.b);
@@ -132,7 +138,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   command->callback([arguments, &exit_code] {
     const Status status = compare(*arguments);
     exit_code = status.ok() ? 0 : 1;
-    if (!status) fmt::print(stderr, "swept compare: {}\n", status.error().message());
+    if (!status) log("swept compare: {}\n", status.error().message());
   });
 }
 

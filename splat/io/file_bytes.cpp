@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -17,11 +18,40 @@ Result<std::string> read_bytes(const std::string& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, code);
   std::ifstream file(path, std::ios::binary);
   if (code || !file) return Error{path, "", "cannot be opened for reading"};
-  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::string bytes;
+  try {
+    bytes.resize(static_cast<std::size_t>(size));
+  } catch (const std::exception&) {
+    return Error{path, "", "does not fit into memory"};
+  }
   file.read(bytes.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(file.gcount()) != size) return Error{path, "", "cannot be read to its end"};
   return bytes;
 }
+
+namespace {
+
+/// The decimal exponent of the first digit that is not 0, of a number that std::from_chars() has read to its
+/// end. That of 0.0012e5 is 2.
+long long magnitude_of(std::string_view token) {
+  const std::size_t exponent_at = std::min(token.find_first_of("eE"), token.size());
+  const std::string_view digits = token.substr(0, exponent_at);
+  const auto point = static_cast<long long>(std::min(digits.find('.'), digits.size()));
+  const std::size_t first_at = digits.find_first_of("123456789");
+  const auto first = static_cast<long long>(first_at == digits.npos ? 0 : first_at);
+  const long long shift = first < point ? point - first - 1 : point - first;
+  if (exponent_at == token.size()) return shift;
+  std::string_view text = token.substr(exponent_at + 1);
+  const bool negative = text.starts_with('-');
+  if (text.starts_with('+') || negative) text.remove_prefix(1);
+  long long exponent = 0;
+  // Beyond every file's length in digits, where it does not fit.
+  if (std::from_chars(text.data(), text.data() + text.size(), exponent).ec != std::errc{})
+    exponent = std::numeric_limits<long long>::max() / 2;
+  return shift + (negative ? -exponent : exponent);
+}
+
+}  // namespace
 
 std::optional<double> parse_number(std::string_view token) {
   if (!token.empty() && token.front() == '+') token.remove_prefix(1);
@@ -29,8 +59,8 @@ std::optional<double> parse_number(std::string_view token) {
   const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
   if (token.empty() || end != token.data() + token.size()) return std::nullopt;
   if (code == std::errc::result_out_of_range) {
-    const bool tiny = token.find("e-") != token.npos || token.find("E-") != token.npos;
-    return tiny ? 0.0 : std::numeric_limits<double>::infinity();
+    const double beyond = magnitude_of(token) < 0 ? 0.0 : std::numeric_limits<double>::infinity();
+    return token.front() == '-' ? -beyond : beyond;
   }
   if (code != std::errc{}) return std::nullopt;
   return value;
