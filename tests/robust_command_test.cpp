@@ -223,6 +223,21 @@ TEST_F(RobustCommand, MistypedWordsAreSuggested) {
   }
 }
 
+TEST_F(RobustCommand, ShellsCompleteCommandsAndOptions) {
+  for (const char* shell : {"bash", "zsh"}) {
+    const Outcome script = swept(std::string("completion ") + shell);
+    ASSERT_EQ(script.exit_code, 0) << script.err;
+    EXPECT_NE(script.out.find("--skip-existing"), std::string::npos);
+    EXPECT_EQ(script.out.find("study-worker"), std::string::npos);
+  }
+  put(folder_ / "try.sh", swept("completion bash").out +
+                              "COMP_WORDS=(swept rend); COMP_CWORD=1; _swept; echo ${COMPREPLY[@]}\n"
+                              "COMP_WORDS=(swept render --over); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n"
+                              "COMP_WORDS=(swept info sce); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n");
+  EXPECT_EQ(run_command("cd '" + folder_ / "" + "' && bash try.sh").out, "render\n--overwrite\nscene.json\n");
+  EXPECT_EQ(swept("completion fish").exit_code, 2);
+}
+
 TEST_F(RobustCommand, HalfFloatsAreAnotherPicture) {
   ASSERT_EQ(swept("render scene.json -o a.exr --half").exit_code, 0);
   ASSERT_EQ(swept("render scene.json -o b.exr").exit_code, 0);

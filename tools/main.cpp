@@ -11,6 +11,7 @@
 
 #include "splat/io/suggestion.h"
 #include "tools/compare_command.h"
+#include "tools/completion.h"
 #include "tools/console.h"
 #include "tools/info_command.h"
 #include "tools/render_command.h"
@@ -70,6 +71,7 @@ int run(int argc, char** argv) {
     swept::add_compare_command(app, exit_code);
     swept::add_study_command(app, exit_code);
     swept::add_study_worker_command(app, exit_code);
+    swept::add_completion_command(app);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" with code 0.
