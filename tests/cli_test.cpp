@@ -337,7 +337,7 @@ TEST_F(Command, StatisticsAreJson) {
 /// The reference takes its samples at the same instants of the same linear path.
 TEST_F(Command, AveragedStillsAreTheReferenceOfAsMany) {
   ASSERT_EQ(
-      swept({"render", "{}scene.json", "-o", "{}a.exr", "--method", "cpu-still", "--samples", "6"}).exit_code,
+      swept({"render", "{}scene.json", "-o", "{}a.exr", "--method", "sampled", "--samples", "6"}).exit_code,
       0);
   ASSERT_EQ(swept({"render", "{}scene.json", "-o", "{}b.exr", "--method", "reference", "--samples", "6",
                    "--reference-motion", "smooth"})

@@ -97,6 +97,21 @@ TEST_F(CompareCommand, FailuresExitWithOneAndNameTheFile) {
   EXPECT_EQ(run({a_, b_, "--difference", a_ + "/d.png"}).exit_code, 1);
 }
 
+TEST_F(CompareCommand, HeadersAreComparedBeforePixels) {
+  // Pixels that cannot be read, which goes unsaid: nobody looked.
+  std::string damaged = test::content_of(wide_);
+  for (std::size_t at = damaged.size() - 40; at < damaged.size(); ++at) damaged[at] = '\x55';
+  const std::string path = folder_ / "damaged.exr";
+  test::put(path, damaged);
+  ASSERT_FALSE(read_exr(path).ok());
+  for (const auto& [a, b] : {std::pair{path, a_}, {a_, path}}) {
+    const Outcome outcome = run({a, b});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("16x12"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("20x12"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(CompareCommand, BadArgumentsAreNotRun) {
   EXPECT_EQ(run({a_}).exit_code, 2);
   EXPECT_EQ(run({a_, b_, "--difference", "d.jpg"}).exit_code, 2);

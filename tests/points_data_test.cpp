@@ -205,7 +205,13 @@ TEST(PointsDataTest, LidarSweepsAreRead) {
   for (int k = 0; k < 3; ++k) {
     const LoadedCloud loaded = load(data + "lidar/scan" + std::to_string(k) + ".ply");
     EXPECT_EQ(loaded.cloud.size(), counts[k]);
-    EXPECT_TRUE(loaded.cloud.color.empty());
+    // Reflectivities are greys, and the rest is told.
+    ASSERT_EQ(loaded.cloud.color.size(), counts[k]);
+    for (const Eigen::Vector3f& color : loaded.cloud.color) {
+      ASSERT_EQ(color, Eigen::Vector3f::Constant(color.x()));
+      ASSERT_LE(color.x(), 1.0f);
+    }
+    EXPECT_EQ(loaded.report.unread, (std::vector<std::string>{"t", "ring", "scan"}));
   }
 }
 

@@ -72,7 +72,7 @@ TEST(RenderMethods, WhatIsInTheImageIsInItsName) {
 
 TEST(RenderMethods, ValuesOutOfRangeAreParseErrors) {
   for (const char* line : {"--method none", "--subframes -1", "--subframes 65537", "--subframes 1.5",
-                           "--method cpu-still --samples 0", "--samples x", "--normalisation frame"})
+                           "--method sampled --samples 0", "--samples x", "--normalisation frame"})
     EXPECT_THROW((void)prepared(line), CLI::ParseError) << line;
   EXPECT_EQ(prepared("--method reference --samples 3").ok(), false) << "an odd number";
 }

@@ -117,6 +117,18 @@ TEST_F(SceneFiles, RoundedMatricesBecomeRotations) {
             1e-15);  // 16 products of a few ulp each
 }
 
+TEST_F(SceneFiles, TheLastRowOfAMatrixMayBeRoundedToo) {
+  for (const char* row : {"0,0,1e-17,1", "-1e-4,0,0,0.9999", "0,0,0,1"}) {
+    const SceneFile file = read(matrix_scene(std::string("[1,0,0,0, 0,1,0,0, 0,0,1,5, ") + row + "]"));
+    EXPECT_EQ(file.scene().camera.at(0.0).eye, Vector3d(0, 0, 5)) << row;
+  }
+  for (const char* row : {"0,0,0.001,1", "0,0,0,1.001", "0,0,0,0"}) {
+    EXPECT_FALSE(
+        scene_from_text(matrix_scene(std::string("[1,0,0,0, 0,1,0,0, 0,0,1,5, ") + row + "]"), "s.json"))
+        << row;
+  }
+}
+
 TEST_F(SceneFiles, GeneratedCloudsTakeTheObjectsAttributes) {
   const std::string text = replaced(base_scene, "\"name\": \"knot\"",
                                     R"("color": [0.5, 0.25, 1], "radius": 0.125, "radius_scale": 2,

@@ -63,7 +63,7 @@ const json& cell_of(const json& scene, const std::string& id) {
 }
 
 TEST_F(StudyCommand, LeavesAReportTheDataAndTheImages) {
-  ASSERT_EQ(study("--parts scenes --methods abuffer,cpu-still"), 0) << log();
+  ASSERT_EQ(study("--parts scenes --methods abuffer,sampled"), 0) << log();
   EXPECT_EQ(content_of(folder_ / "out"), output_ + "/report.html\n");
   const json scene = document().at("scenes").at(0);
   EXPECT_EQ(scene.at("points"), 300);
@@ -71,8 +71,8 @@ TEST_F(StudyCommand, LeavesAReportTheDataAndTheImages) {
   // Half a unit of motion, of 4 units in front of the eye for the nearest points: 32 / (2 tan 20°) / 4.5 px.
   EXPECT_NEAR(scene.at("motion_px").at("median").get<double>(), 4.4, 0.9);
   ASSERT_EQ(scene.at("cells").size(), 7u);
-  const json exact = cell_of(scene, "abuffer"), few = cell_of(scene, "cpu-still-4"),
-             many = cell_of(scene, "cpu-still-64");
+  const json exact = cell_of(scene, "abuffer"), few = cell_of(scene, "sampled-4"),
+             many = cell_of(scene, "sampled-64");
   // One segment: what is left is the pixel filter, which is that of the segment's middle.
   EXPECT_GT(exact.at("psnr_db").get<double>(), few.at("psnr_db").get<double>() + 10.0);
   EXPECT_GT(many.at("psnr_db").get<double>(), few.at("psnr_db").get<double>() + 10.0);
@@ -87,21 +87,21 @@ TEST_F(StudyCommand, LeavesAReportTheDataAndTheImages) {
   // A header, and a row for each cell.
   const std::string csv = content_of(output_ + "/study.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 8);
-  EXPECT_NE(content_of(output_ + "/report.html").find("cpu-still-64"), std::string::npos);
+  EXPECT_NE(content_of(output_ + "/report.html").find("sampled-64"), std::string::npos);
 }
 
 TEST_F(StudyCommand, GoesOnWhereItWas) {
-  ASSERT_EQ(study("--parts scenes --methods abuffer,cpu-still"), 0) << log();
-  const std::string kept = content_of(cell_path("cpu-still-4")), lost = content_of(cell_path("cpu-still-8"));
-  std::filesystem::remove(cell_path("cpu-still-8"));
-  ASSERT_EQ(study("--parts scenes --methods abuffer,cpu-still"), 0);
-  EXPECT_EQ(content_of(cell_path("cpu-still-4")), kept);
+  ASSERT_EQ(study("--parts scenes --methods abuffer,sampled"), 0) << log();
+  const std::string kept = content_of(cell_path("sampled-4")), lost = content_of(cell_path("sampled-8"));
+  std::filesystem::remove(cell_path("sampled-8"));
+  ASSERT_EQ(study("--parts scenes --methods abuffer,sampled"), 0);
+  EXPECT_EQ(content_of(cell_path("sampled-4")), kept);
   // One render, of that cell.
   const std::string text = log();
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
   EXPECT_NE(text.find("8 stills"), std::string::npos) << text;
   // The same figures; only the times are new.
-  json before = json::parse(lost), after = json::parse(content_of(cell_path("cpu-still-8")));
+  json before = json::parse(lost), after = json::parse(content_of(cell_path("sampled-8")));
   for (json* cell : {&before, &after})
     for (const char* changes : {"seconds", "peak_memory_bytes"}) cell->erase(changes);
   EXPECT_EQ(before, after);
@@ -119,7 +119,7 @@ TEST_F(StudyCommand, ShowsACellThatFailedAndRunsTheRest) {
 }
 
 TEST_F(StudyCommand, StopsARenderThatTakesTooLong) {
-  ASSERT_EQ(study("--parts scenes --methods cpu-still --limit 0.0001"), 0) << log();
+  ASSERT_EQ(study("--parts scenes --methods sampled --limit 0.0001"), 0) << log();
   const json study = document();
   const json& cells = study.at("scenes").at(0).at("cells");
   EXPECT_FALSE(cells.empty());

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "splat/io/nearest_point.h"
+
 namespace {
 
 using namespace swept;
@@ -102,6 +104,29 @@ TEST(SurfelsFromMeshTest, NarrowRingsKeepATenthAndLoneVerticesAreEstimated) {
   EXPECT_GT(std::abs(front_of(surfels->pose, lone).normalized().dot(kTurn * Vector3d::UnitZ())), 1.0 - 1e-6);
   EXPECT_GT(surfels->pose.axis_u[lone].norm(), 0.5);
   EXPECT_LE(surfels->pose.axis_u[lone].norm(), kRadiusPerSpacing * (1.0 + 1e-6));
+}
+
+TEST(NearestPointTest, IsNoFartherThanAnyOther) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
+  std::vector<Vector3d> points;
+  std::vector<std::size_t> among;
+  for (std::size_t i = 0; i < 600; ++i) {
+    // A third are copies, a third lie in a plane.
+    points.emplace_back(anywhere(random), anywhere(random), i % 3 == 1 ? 0.0 : anywhere(random));
+    if (i % 3 == 2) points.back() = points[i / 30];
+    if (i % 2 == 0) among.push_back(i);
+  }
+  const NearestPoint nearest(points, among);
+  for (int k = 0; k < 500; ++k) {
+    const Vector3d place(2.0 * anywhere(random), anywhere(random), anywhere(random));
+    double least = INFINITY;
+    for (const std::size_t i : among) least = std::min(least, (points[i] - place).squaredNorm());
+    const std::size_t found = nearest.to(place);
+    EXPECT_EQ(found % 2, 0u);
+    EXPECT_EQ((points[found] - place).squaredNorm(), least);
+  }
+  EXPECT_EQ(NearestPoint(points, {5}).to({9, 9, 9}), 5u);
 }
 
 TEST(SurfelsFromCloudTest, GridFarAwayWithDuplicates) {

@@ -70,6 +70,20 @@ Status write_difference(const CompareArguments& arguments, const Image& a, const
              : write_exr(arguments.difference, image);
 }
 
+Error of_both(const CompareArguments& arguments, const Error& problem) {
+  return {arguments.a + " and " + arguments.b, problem.field, problem.reason};
+}
+
+/// Before any pixel is read: a small file may unpack to gigabytes.
+Status check_headers(const CompareArguments& arguments) {
+  const Result<Image> a = read_exr_window(arguments.a);
+  if (!a) return a.error();
+  const Result<Image> b = read_exr_window(arguments.b);
+  if (!b) return b.error();
+  if (const Status s = check_windows(*a, *b, arguments.options); !s) return of_both(arguments, s.error());
+  return Done{};
+}
+
 /// The figures are printed even if what follows fails.
 Status compare(const CompareArguments& arguments) {
   for (const std::string* input : {&arguments.a, &arguments.b}) {
@@ -77,15 +91,13 @@ Status compare(const CompareArguments& arguments) {
     if (!arguments.difference.empty() && std::filesystem::equivalent(arguments.difference, *input, code))
       return Error{arguments.difference, "--difference", "is one of the images compared"};
   }
+  if (const Status same = check_headers(arguments); !same) return same;
   const Result<Image> a = read_exr(arguments.a);
   if (!a) return a.error();
   const Result<Image> b = read_exr(arguments.b);
   if (!b) return b.error();
   const Result<ImageMetrics> compared = compare_images(*a, *b, arguments.options);
-  if (!compared) {
-    const Error& problem = compared.error();
-    return Error{arguments.a + " and " + arguments.b, problem.field, problem.reason};
-  }
+  if (!compared) return of_both(arguments, compared.error());
   const ImageMetrics& metrics = *compared;
   if (arguments.json) {
     print_json(arguments, metrics);

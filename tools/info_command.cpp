@@ -60,6 +60,9 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
     fmt::print("    points    {}, {} keys\n", object.points, object.keys);
     fmt::print("    moves     points {}, object {}; {} segments\n", yes(object.points_move),
                yes(object.object_moves), object.segments);
+    if (!object.velocity_unit.empty())
+      fmt::print("    velocity  {}\n", object.velocity_unit == "per_frame" ? "per frame" : "per second");
+    fmt::print("    streak    {:.6g} px at the longest\n", object.longest_streak_px);
     fmt::print("    surface   {}, {}\n", object.two_sided ? "two-sided" : "one-sided",
                object.has_opacity ? "transparent in places" : "opaque");
     if (object.points > 0)
@@ -81,9 +84,12 @@ Json json_of(const ObjectReport& object) {
                {"points_move", object.points_move},
                {"object_moves", object.object_moves},
                {"segments", object.segments},
+               {"velocity_unit", nullptr},
+               {"longest_streak_px", object.longest_streak_px},
                {"two_sided", object.two_sided},
                {"has_opacity", object.has_opacity},
                {"bounds", nullptr}};
+  if (!object.velocity_unit.empty()) json["velocity_unit"] = object.velocity_unit;
   if (object.points > 0) json["bounds"] = {{"low", json_of(object.low)}, {"high", json_of(object.high)}};
   return json;
 }

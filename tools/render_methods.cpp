@@ -1,6 +1,7 @@
 #include "tools/render_methods.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <thread>
@@ -9,7 +10,7 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
-#include "abuffer/supersample.h"
+#include "abuffer/sampled.h"
 #include "tools/gpu_method.h"
 
 namespace swept {
@@ -34,17 +35,45 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
       per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
 }
 
-Result<PreparedMethod> prepare_cpu_still(const MethodArguments& arguments, const RenderControl& control) {
-  SupersampleOptions options;
-  options.threads = control.threads;
+/// A PSNR as in 60dB, or a root mean square error below 1, as PSNR.
+Result<double> error_db(const MethodArguments& arguments, const char* option, double otherwise) {
+  if (!arguments.given(option)) return otherwise;
+  const std::string text = arguments.text(option, "");
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  std::string unit(end, text.data() + text.size());
+  for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (code == std::errc() && unit == "db" && value > 0.0 && value <= 150.0) return value;
+  if (code == std::errc() && unit.empty() && value > 0.0 && value < 1.0) return -20.0 * std::log10(value);
+  return Error{"", option,
+               fmt::format("expected a PSNR up to 150dB, or a root mean square error below 1: {}", text)};
+}
+
+Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const RenderControl& control) {
+  SampledOptions options;
+  const Result<double> frame = error_db(arguments, "--max-error", options.max_error_db);
+  if (!frame) return frame.error();
+  const Result<double> cell = error_db(arguments, "--max-cell-error", options.max_cell_error_db);
+  if (!cell) return cell.error();
+  options.max_error_db = *frame;
+  options.max_cell_error_db = *cell;
   options.samples = arguments.whole("--samples", options.samples);
-  if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
-  return PreparedMethod{
-      std::make_shared<OneByOne>(
-          [options](const Scene& scene, const RenderControl&) { return render_supersampled(scene, options); },
-          control),
-      {{"threads", options.threads}, {"samples", options.samples}},
-      fmt::format("cpu-still {}", options.samples)};
+  if (options.samples > 0 && (arguments.given("--max-error") || arguments.given("--max-cell-error")))
+    return Error{"", "--samples", "says how many instants, and --max-error has them chosen: one of the two"};
+  if (const Status valid = options.validate(); !valid)
+    return Error{"", valid.error().field, valid.error().reason};
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene, const RenderControl& within) {
+                              return render_sampled(scene, options, within);
+                            },
+                            control),
+                        {{"threads", control.threads},
+                         {"samples", options.samples},
+                         {"max_error_db", options.max_error_db},
+                         {"max_cell_error_db", options.max_cell_error_db}},
+                        options.samples > 0 ? fmt::format("sampled {}", options.samples)
+                                            : fmt::format("sampled to {} dB, cells {}", options.max_error_db,
+                                                          options.max_cell_error_db)};
 }
 
 Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const RenderControl& control) {
@@ -110,7 +139,7 @@ const RenderMethod& find_method(std::string_view name) {
                        [&](const RenderMethod& method) { return method.name == name; });
 }
 
-/// "reference or cpu-still".
+/// "sampled or reference".
 std::string methods_with(std::string_view option) {
   std::string names;
   for (const RenderMethod& method : render_methods())
@@ -134,8 +163,12 @@ std::string type_name_of(const MethodOption& option) {
 
 const std::vector<RenderMethod>& render_methods() {
   static const std::vector<RenderMethod> methods = {
+      {"sampled",
+       "as many instants as the error asked for takes, cell by cell",
+       {"--max-error", "--max-cell-error", "--samples"},
+       true,
+       prepare_sampled},
       {"abuffer", "the exact A-buffer", {"--normalisation"}, true, prepare_abuffer},
-      {"cpu-still", "still images averaged", {"--samples"}, true, prepare_cpu_still},
       {"gpu",
        "the six passes on a GPU",
        {"--subframes", "--gpu", "--lookup-tables", "--clamp-motion"},
@@ -149,6 +182,14 @@ const std::vector<RenderMethod>& render_methods() {
 const std::vector<MethodOption>& method_options() {
   using Kind = MethodOption::Kind;
   static const std::vector<MethodOption> options = {
+      {.name = "--max-error",
+       .kind = Kind::text,
+       .help = "How far the frame may be off: a PSNR for peak 1, or a root mean square error below 1 [60dB]",
+       .type_name = "60dB|0.001"},
+      {.name = "--max-cell-error",
+       .kind = Kind::text,
+       .help = "The same for every 64 x 64 px of it by themselves",
+       .type_name = "60dB|0.001"},
       {.name = "--normalisation",
        .kind = Kind::word,
        .help = "What the A-buffer divides weights by: those of every visible interval, or once per pixel, as "
@@ -156,7 +197,7 @@ const std::vector<MethodOption>& method_options() {
        .words = {"interval", "pixel"}},
       {.name = "--samples",
        .kind = Kind::whole,
-       .help = "Still images that are averaged [cpu-still: 16; reference: 256, even]",
+       .help = "Instants that are averaged [sampled: as --max-error asks; reference: 256, even]",
        .low = 1,
        .high = 1 << 20},
       {.name = "--reference-motion",
@@ -215,6 +256,11 @@ std::shared_ptr<const MethodChoice> add_method_options(CLI::App& command) {
   command.add_option("--method", choice->method, help)
       ->check(CLI::IsMember(names))
       ->capture_default_str()
+      ->group("Method");
+  command
+      .add_flag_callback(
+          "--exact", [choice] { choice->method = "abuffer"; }, "The exact image: --method abuffer")
+      ->excludes("--method")
       ->group("Method");
   for (const MethodOption& option : method_options()) {
     const std::string name(option.name), help_text = fmt::format("{} ({})", option.help, methods_with(name));

@@ -11,6 +11,7 @@
 
 #include "splat/io/sequence.h"
 #include "splat/motion/segments.h"
+#include "tools/longest_streak.h"
 
 namespace swept {
 namespace {
@@ -46,6 +47,9 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
   report.keys = cloud.keys.size();
   report.points_move = points_move(cloud, open, close);
   report.object_moves = !object.transform.constant_over(open, close);
+  if (!cloud.velocity.empty())
+    report.velocity_unit = source.velocity == VelocityUnit::per_frame ? "per_frame" : "per_second";
+  report.longest_streak_px = longest_streak_px(scene, object);
   report.has_opacity =
       std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float value) { return value < 1.0f; });
   report.two_sided = object.two_sided;

@@ -15,9 +15,11 @@ namespace swept {
 struct ObjectReport {
   std::string name, source;
   std::size_t points = 0, keys = 0;
-  bool points_move = false;   ///< within the object, during the exposure
-  bool object_moves = false;  ///< its transform, during the exposure
-  bool has_opacity = false;   ///< some point is not opaque
+  bool points_move = false;        ///< within the object, during the exposure
+  bool object_moves = false;       ///< its transform, during the exposure
+  std::string velocity_unit;       ///< "per_second" or "per_frame" of velocities that move points; else empty
+  double longest_streak_px = 0.0;  ///< as longest_streak_px()
+  bool has_opacity = false;        ///< some point is not opaque
   bool two_sided = true;
   int segments = 1;  ///< linear motion segments, resolved
   /// World-space box of the discs at the shutter's open, middle and close; low > high if there are no points.

@@ -43,6 +43,10 @@ struct CompareOptions {
 [[nodiscard]] Result<ImageMetrics> compare_images(const Image& a, const Image& b,
                                                   const CompareOptions& options = {});
 
+/// Whether compare_images would accept the windows and films of two images, whose arrays may be empty.
+/// Errors: as there.
+[[nodiscard]] Status check_windows(const Image& a, const Image& b, const CompareOptions& options = {});
+
 /// scale · |a − b| per channel of RGB, alpha 1, over the same window as compare_images, which must have
 /// accepted both. A pixel that is not finite in either image is `kNonfiniteMark`.
 [[nodiscard]] Image difference_image(const Image& a, const Image& b, double scale,

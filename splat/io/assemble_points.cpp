@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/io/attributes.h"
+#include "splat/io/color_scale.h"
 #include "splat/srgb.h"
 
 namespace swept {
@@ -17,15 +18,7 @@ constexpr double kHarmonic0 = 0.28209479177387814;  // 1 / (2√π), the constan
 
 /// Up to this, linear values are in the range of float: 10^(16 · 2.4) / 1.055^2.4 = 2.2e38.
 constexpr double largest_srgb = 1e16;
-
-float linear_color(double stored, const Column& column) {
-  if (column.full_scale == 0.0) return static_cast<float>(stored);
-  return static_cast<float>(srgb_to_linear(stored / column.full_scale));
-}
-
-double fraction(double stored, const Column& column) {
-  return column.full_scale == 0.0 ? stored : stored / column.full_scale;
-}
+constexpr double kMostFloat = std::numeric_limits<float>::max();
 
 Eigen::Vector3d vector_at(const Values& values, const AttributePlan::Triple& c, std::size_t i) {
   return {values[c[0]][i], values[c[1]][i], values[c[2]][i]};
@@ -39,12 +32,62 @@ std::string shown(double value) {
   return text;
 }
 
+/// Ids of all points, if each has one that a double holds exactly and no other point has.
+std::vector<std::int64_t> distinct_ids(const std::vector<double>& stored, std::string& why_not) {
+  std::vector<std::int64_t> ids;
+  ids.reserve(stored.size());
+  for (const double value : stored) {
+    if (!(std::abs(value) <= 0x1p53) || value != std::floor(value)) {
+      why_not = "ids are not used: they are not all whole numbers up to 2^53";
+      return {};
+    }
+    ids.push_back(static_cast<std::int64_t>(value));
+  }
+  std::vector<std::int64_t> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) return ids;
+  why_not = "ids are not used: they repeat";
+  return {};
+}
+
 /// Puts one point after the other into the set.
 class Assembler {
  public:
-  Assembler(const std::vector<Column>& columns, const AttributePlan& plan, const Values& values, double delta)
-      : columns_(columns), plan_(plan), values_(values), cutoff_(std::sqrt(2.0 * delta)) {
-    const std::vector<bool> needed = plan.needed(columns.size());
+  Assembler(const std::vector<Column>& columns, AttributePlan& plan, const Values& values,
+            const ReadOptions& options, std::vector<std::string>& assumed)
+      : plan_(plan), values_(values), cutoff_(std::sqrt(2.0 * options.delta)) {
+    if (plan.color) {
+      scale_ = color_scale(columns, *plan.color, values, options);
+      assumed.push_back(scale_.assumed);
+    } else if (plan.intensity) {
+      const auto grey = grey_scale(columns[*plan.intensity], values[*plan.intensity], options);
+      if (grey) {
+        scale_ = *grey;
+        assumed.push_back(grey->assumed);
+        const auto& stored = values[*plan.intensity];
+        const auto lost =
+            std::count_if(stored.begin(), stored.end(), [](double v) { return !std::isfinite(v); });
+        if (lost > 0) assumed.push_back(std::to_string(lost) + " intensities that are not finite are black");
+      } else {
+        assumed.push_back("intensities are not used: some are negative (color_range says what full is)");
+        plan.intensity.reset();
+      }
+    }
+    if (!plan.log_scale.empty()) {
+      assumed.push_back(std::string("Gaussian splats: scales are logarithms, opacities logits") +
+                        (plan.harmonic ? ", colours the first spherical harmonic, sRGB" : ""));
+    }
+    for (const auto& c : {plan.opacity, plan.alpha}) {
+      if (c) alpha_full_ = alpha_full(columns[*c], values[*c], c == plan.alpha ? scale_.full : 1.0);
+    }
+    if (plan.id) {
+      std::string why_not;
+      ids_ = distinct_ids(values[*plan.id], why_not);
+      if (!why_not.empty()) assumed.push_back(why_not);
+      if (ids_.empty()) plan.id.reset();
+    }
+    std::vector<bool> needed = plan.needed(columns.size());
+    if (plan.intensity) needed[*plan.intensity] = false;  // black where it is not finite
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (needed[c]) used_.push_back(c);
     }
@@ -58,12 +101,16 @@ class Assembler {
         return {{c, "is " + shown(values_[c][i]) + ", not a finite number in the range of float"}};
       }
     }
-    if (const auto& channels = plan_.color ? plan_.color : plan_.harmonic) {
-      for (const std::size_t c : *channels) {
-        const double full_scale = columns_[c].full_scale;
-        if (plan_.color && full_scale == 0.0) continue;  // linear already
-        const double srgb = plan_.color ? values_[c][i] / full_scale : 0.5 + kHarmonic0 * values_[c][i];
-        if (!(srgb <= largest_srgb)) return {{c, "is " + shown(values_[c][i]) + ", too large for a colour"}};
+    if (plan_.color) {
+      for (const std::size_t c : *plan_.color) {
+        const double most = scale_.space == ColorSpace::srgb ? largest_srgb : kMostFloat;
+        if (!(std::abs(scale_.channel(values_[c][i])) <= most))
+          return {{c, "is " + shown(values_[c][i]) + ", too large for a colour"}};
+      }
+    } else if (plan_.harmonic) {
+      for (const std::size_t c : *plan_.harmonic) {
+        if (!(0.5 + kHarmonic0 * values_[c][i] <= largest_srgb))
+          return {{c, "is " + shown(values_[c][i]) + ", too large for a colour"}};
       }
     }
     for (const std::size_t c : plan_.log_scale) {
@@ -85,7 +132,7 @@ class Assembler {
     if (!plan_.log_scale.empty()) return std::nullopt;
     for (const auto& c : {plan_.opacity, plan_.alpha}) {
       if (!c) continue;
-      const double o = fraction(values_[*c][i], columns_[*c]);
+      const double o = values_[*c][i] / alpha_full_;
       if (!(o >= 0.0 && o <= 1.0)) return {{*c, "is " + shown(o) + ", must lie in [0, 1]"}};
     }
     return std::nullopt;
@@ -105,6 +152,7 @@ class Assembler {
           static_cast<float>(values_[*plan_.radius][i] * (plan_.radius_is_diameter ? 0.5 : 1.0)));
     }
     add_color(i, set);
+    if (!ids_.empty()) set.id.push_back(ids_[i]);
   }
 
  private:
@@ -138,8 +186,7 @@ class Assembler {
   void add_color(std::size_t i, PointSet& set) const {
     if (plan_.color) {
       const auto channel = [&](std::size_t k) {
-        const std::size_t c = (*plan_.color)[k];
-        return linear_color(values_[c][i], columns_[c]);
+        return static_cast<float>(scale_.linear(values_[(*plan_.color)[k]][i]));
       };
       set.color.emplace_back(channel(0), channel(1), channel(2));
     } else if (plan_.harmonic) {
@@ -149,20 +196,26 @@ class Assembler {
       };
       set.color.emplace_back(channel(0), channel(1), channel(2));
     }
+    if (plan_.intensity) {
+      const double stored = values_[*plan_.intensity][i];
+      const double grey = std::isfinite(stored) ? std::clamp(scale_.linear(stored), 0.0, kMostFloat) : 0.0;
+      set.color.push_back(Eigen::Vector3f::Constant(static_cast<float>(grey)));
+    }
     if (plan_.opacity) {
       const double stored = values_[*plan_.opacity][i];
-      set.opacity.push_back(static_cast<float>(plan_.log_scale.empty()
-                                                   ? fraction(stored, columns_[*plan_.opacity])
-                                                   : 1.0 / (1.0 + std::exp(-stored))));
+      set.opacity.push_back(static_cast<float>(plan_.log_scale.empty() ? stored / alpha_full_
+                                                                       : 1.0 / (1.0 + std::exp(-stored))));
     } else if (plan_.alpha) {
-      set.opacity.push_back(static_cast<float>(fraction(values_[*plan_.alpha][i], columns_[*plan_.alpha])));
+      set.opacity.push_back(static_cast<float>(values_[*plan_.alpha][i] / alpha_full_));
     }
   }
 
-  const std::vector<Column>& columns_;
   const AttributePlan& plan_;
   const Values& values_;
   double cutoff_;
+  ColorScale scale_;
+  double alpha_full_ = 1.0;
+  std::vector<std::int64_t> ids_;
   std::vector<std::size_t> used_;
 };
 
@@ -181,8 +234,15 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
     return Error{"", "delta", "must be positive and finite"};
   }
 
+  if (options.color_range && (!(*options.color_range > 0.0) || !std::isfinite(*options.color_range))) {
+    return Error{"", "color_range", "must be positive and finite"};
+  }
+
   PointSet set;
-  const Assembler assembler(columns, plan, values, options.delta);
+  set.position.reserve(count);  // the largest of them
+  AttributePlan used = plan;
+  std::vector<std::string> assumed;
+  const Assembler assembler(columns, used, values, options, assumed);
   std::vector<std::uint32_t> index_of(count, kDropped);
   for (std::size_t i = 0; i < count; ++i) {
     const auto invalid = assembler.fault(i);
@@ -195,6 +255,10 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
   }
   if (set.size() == 0) return Error{path, "", "has no point with finite numbers"};
 
+  set.report = used.report(columns);
+  set.report.assumed = std::move(assumed);
+  set.report.points = count;
+  set.report.dropped = count - set.size();
   set.triangle = std::move(triangles);
   if (const std::size_t dropped = count - set.size(); dropped > 0) {
     for (auto& triangle : set.triangle) {

@@ -1,10 +1,12 @@
 #include "splat/io/cloud_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "splat/io/match_points.h"
 #include "splat/io/surfel_estimate.h"
 
 namespace swept {
@@ -19,6 +21,9 @@ Status check_options(const CloudSource& source) {
   }
   if (!positive(source.radius_scale)) return option_error("radius_scale", "must be positive and finite");
   if (source.color && !source.color->allFinite()) return option_error("color", "must be finite");
+  if (source.color_range && !positive(*source.color_range)) {
+    return option_error("color_range", "must be positive and finite");
+  }
   if (source.fps.numerator < 1 || source.fps.denominator < 1) {
     return option_error("fps", "must be two numbers ≥ 1");
   }
@@ -73,29 +78,59 @@ void keep_sides(const SurfelPose& reference, EstimatedSurfels& discs) {
   }
 }
 
+/// Frames times this times a stored velocity is a distance.
+double velocity_scale(const CloudSource& source) {
+  if (source.velocity_unit == VelocityUnit::per_frame) return 1.0;
+  return static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
+}
+
 void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded) {
-  if (set.velocity.empty() || source.velocity_unit == VelocityUnit::ignore) return;
+  if (source.velocity_unit == VelocityUnit::ignore) return;
+  if (set.velocity.empty()) {
+    if (source.files.size() < 2)
+      loaded.report.assumed.push_back("there are no velocities: the points stand still");
+    return;
+  }
+  if (std::all_of(set.velocity.begin(), set.velocity.end(), [](const auto& v) { return v.isZero(0.0f); }))
+    loaded.report.assumed.push_back("the velocities are all zero");
   loaded.cloud.velocity = std::move(set.velocity);
-  if (source.velocity_unit == VelocityUnit::per_frame) return;
-  const double frame_seconds =
-      static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
+  if (source.velocity_unit == VelocityUnit::per_frame) {
+    loaded.report.assumed.push_back("velocities are per frame");
+    return;
+  }
+  std::string rate = std::to_string(source.fps.numerator);
+  if (source.fps.denominator != 1) rate += "/" + std::to_string(source.fps.denominator);
+  loaded.report.assumed.push_back("velocities are per second, at " + rate + " frames per second");
+  const double frame_seconds = velocity_scale(source);
   for (Eigen::Vector3f& v : loaded.cloud.velocity) v = (frame_seconds * v.cast<double>()).cast<float>();
 }
 
 /// The rest of what the first key says, after its discs are taken.
-Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& source) {
-  Result<EstimatedSurfels> discs = discs_of(set, source);
-  if (!discs) return discs.error();
+Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame, const CloudSource& source) {
   LoadedCloud loaded;
-  loaded.cloud.keys.push_back({frame, std::move(discs->pose)});
+  loaded.report = std::move(set.report);
+  loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
   loaded.notes = std::move(set.notes);
-  loaded.notes.insert(loaded.notes.end(), discs->notes.begin(), discs->notes.end());
+  loaded.notes.insert(loaded.notes.end(), discs.notes.begin(), discs.notes.end());
   loaded.cloud.color = std::move(set.color);
+  if (loaded.cloud.color.empty() && !source.color && !source.color_by_normals)
+    loaded.report.assumed.push_back("there are no colours: white");
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
-  if (source.color_by_normals) color_by_normals(loaded.cloud);
+  if (source.color_by_normals) {
+    if (Status s = color_by_normals(loaded.cloud); !s) return s.error();
+  }
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);
   return loaded;
+}
+
+Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& source) {
+  const bool normals_unused = !set.triangle.empty() && !set.normal.empty() && set.axis_u.empty();
+  Result<EstimatedSurfels> discs = discs_of(set, source);
+  if (!discs) return discs.error();
+  if (normals_unused)
+    set.report.assumed.push_back("discs lie along the triangles, and the normals are not used");
+  return first_key(std::move(set), *std::move(discs), frame, source);
 }
 
 ReadOptions read_options(const CloudSource& source) {
@@ -103,10 +138,16 @@ ReadOptions read_options(const CloudSource& source) {
   options.attributes = source.attributes;
   options.delta = source.delta;
   options.skip_invalid = source.skip_invalid;
-  // Several keys say themselves how the points move.
-  if (source.velocity_unit == VelocityUnit::ignore || source.files.size() > 1) {
-    options.attributes["velocity"] = "";
-  }
+  options.color_range = source.color_range;
+  options.color_space = source.color_space;
+  if (source.velocity_unit == VelocityUnit::ignore) options.attributes["velocity"] = "";
+  return options;
+}
+
+/// Several keys say themselves how the points move.
+ReadOptions key_options(const CloudSource& source) {
+  ReadOptions options = read_options(source);
+  if (source.files.size() > 1) options.attributes["velocity"] = "";
   return options;
 }
 
@@ -123,31 +164,143 @@ Error counts_differ(const std::string& what, const KeyFile& a, std::size_t in_a,
               "velocities"};
 }
 
-/// Reads a later key and joins it to those before. `triangles` and `first` are those of the first.
-Status add_key(const CloudSource& source, const KeyFile& first, const KeyFile& file,
-               std::vector<std::array<std::uint32_t, 3>>& triangles, SurfelCloud& cloud) {
+/// The files that are read, files[begin] to files[end − 1].
+struct KeySpan {
+  std::size_t begin = 0, end = 0;
+  std::size_t nearest = 0;  ///< to the middle of what is asked for; of two the earlier
+};
+
+KeySpan span_of(const std::vector<KeyFile>& files, double first, double last) {
+  KeySpan span{0, files.size(), 0};
+  while (span.begin + 1 < span.end && files[span.begin + 1].frame <= first) ++span.begin;
+  while (span.end > span.begin + 1 && files[span.end - 2].frame >= last) --span.end;
+  const double middle = first + 0.5 * (last - first);
+  span.nearest = span.begin;
+  for (std::size_t k = span.begin; k < span.end; ++k) {
+    if (std::abs(files[k].frame - middle) < std::abs(files[span.nearest].frame - middle)) span.nearest = k;
+  }
+  return span;
+}
+
+/// Adds a key after those there are, its discs turned to agree with theirs.
+void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
+  if (!cloud.keys.empty()) {
+    keep_sides(cloud.keys.back().pose, discs);
+    align_axes(cloud.keys.back().pose, discs.pose);
+  }
+  cloud.keys.push_back({frame, std::move(discs.pose)});
+}
+
+/// Velocities apart, which are not always asked for.
+void compare_reports(const ReadReport& other, const KeyFile& file, ReadReport& report) {
+  std::vector<ReadReport::Use> a = report.used, b = other.used;
+  for (auto* uses : {&a, &b})
+    std::erase_if(*uses, [](const auto& use) { return use.attribute == "velocity"; });
+  if (a != b) report.assumed.push_back(file.path + " has other attributes than the rest of its sequence");
+}
+
+/// Keys without ids: point i is point i. `set` is the first. A count that differs is an error in the field
+/// "points".
+Result<LoadedCloud> read_in_order(const CloudSource& source, const KeySpan& span, PointSet set) {
+  const std::vector<KeyFile>& files = source.files;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  if (files.size() > 1) triangles = set.triangle;
+  Result<LoadedCloud> loaded = first_key(std::move(set), files[span.begin].frame, source);
+  if (!loaded) return in_file(loaded.error(), files[span.begin].path);
+  SurfelCloud& cloud = loaded->cloud;
+  for (std::size_t k = span.begin + 1; k < span.end; ++k) {
+    Result<PointSet> next = read_points(files[k].path, key_options(source));
+    if (!next) return next.error();
+    if (next->size() != cloud.size()) {
+      return counts_differ("points", files[span.begin], cloud.size(), files[k], next->size());
+    }
+    if (next->triangle.size() != triangles.size()) {
+      return counts_differ("triangles", files[span.begin], triangles.size(), files[k], next->triangle.size());
+    }
+    compare_reports(next->report, files[k], loaded->report);
+    std::swap(next->triangle, triangles);
+    Result<EstimatedSurfels> discs = discs_of(*next, source);
+    std::swap(next->triangle, triangles);
+    if (!discs) return in_file(discs.error(), files[k].path);
+    push_key(*std::move(discs), files[k].frame, cloud);
+  }
+  return loaded;
+}
+
+/// The file nearest to the middle, with velocities if it has any that are good.
+Result<PointSet> read_nearest(const CloudSource& source, const KeyFile& file) {
   Result<PointSet> set = read_points(file.path, read_options(source));
-  if (!set) return set.error();
-  if (set->size() != cloud.size()) {
-    return counts_differ("points", first, cloud.size(), file, set->size());
+  return set ? std::move(set) : read_points(file.path, key_options(source));
+}
+
+void report_match(const MatchedPoints& matched, const KeyFile& reference, const KeyFile& file, bool moves,
+                  ReadReport& report) {
+  if (matched.missing > 0) {
+    report.assumed.push_back(std::to_string(matched.missing) + " points of " + reference.path +
+                             " are not in " + file.path + ", and " +
+                             (moves ? "move along their velocities" : "stand still") + " on the way there");
   }
-  if (set->triangle.size() != triangles.size()) {
-    return counts_differ("triangles", first, triangles.size(), file, set->triangle.size());
+  if (matched.extra > 0) {
+    report.assumed.push_back(std::to_string(matched.extra) + " points of " + file.path + " are not in " +
+                             reference.path + ", and are left out");
   }
-  const SurfelPose& before = cloud.keys.back().pose;
-  std::swap(set->triangle, triangles);
-  Result<EstimatedSurfels> discs = discs_of(*set, source);
-  std::swap(set->triangle, triangles);
-  if (!discs) return in_file(discs.error(), file.path);
-  keep_sides(before, *discs);
-  align_axes(before, discs->pose);
-  cloud.keys.push_back({file.frame, std::move(discs->pose)});
-  return Done{};
+}
+
+/// Keys with ids.
+Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
+  const std::vector<KeyFile>& files = source.files;
+  const KeyFile& nearest = files[span.nearest];
+  Result<PointSet> reference = read_nearest(source, nearest);
+  if (!reference) return reference.error();
+  const auto no_ids = [](const KeyFile& file) {
+    return Error{file.path, "id",
+                 "has no ids that name each point once, as other files of its sequence have; "
+                 "\"attributes\": {\"id\": \"\"} leaves them unread"};
+  };
+  if (reference->id.empty()) return no_ids(nearest);
+  PointSet still = *reference;
+  still.velocity.clear();
+  Result<EstimatedSurfels> nearest_discs = discs_of(still, source);
+  if (!nearest_discs) return in_file(nearest_discs.error(), nearest.path);
+  Result<LoadedCloud> first = first_key(std::move(still), *nearest_discs, nearest.frame, source);
+  if (!first) return first.error();
+  LoadedCloud& loaded = *first;
+  SurfelCloud& cloud = loaded.cloud;
+  cloud.keys.clear();
+  loaded.report.assumed.push_back("points of several files are the same by id");
+  bool all_there = true;
+  for (std::size_t k = span.begin; k < span.end; ++k) {
+    if (k == span.nearest) {
+      push_key(std::move(*nearest_discs), nearest.frame, cloud);
+      continue;
+    }
+    const Result<PointSet> other = read_points(files[k].path, key_options(source));
+    if (!other) return other.error();
+    if (other->id.empty()) return no_ids(files[k]);
+    Result<MatchedPoints> matched =
+        match_by_id(*reference, *other, (files[k].frame - nearest.frame) * velocity_scale(source));
+    if (!matched) return in_file(matched.error(), files[k].path);
+    all_there = all_there && matched->missing == 0;
+    compare_reports(other->report, files[k], loaded.report);
+    report_match(*matched, nearest, files[k], !reference->velocity.empty(), loaded.report);
+    Result<EstimatedSurfels> discs = discs_of(matched->set, source);
+    if (!discs) return in_file(discs.error(), files[k].path);
+    push_key(*std::move(discs), files[k].frame, cloud);
+  }
+  if (all_there) {
+    ReadReport& report = loaded.report;
+    const std::vector<std::string> velocity = report.properties_of("velocity");
+    report.unread.insert(report.unread.end(), velocity.begin(), velocity.end());
+    std::erase_if(report.used, [](const auto& use) { return use.attribute == "velocity"; });
+  }
+  return first;
 }
 
 }  // namespace
 
-void color_by_normals(SurfelCloud& cloud) {
+Status color_by_normals(SurfelCloud& cloud) {
+  if (Status s = cloud.validate(); !s) return s;
+  if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
   const SurfelPose& pose = cloud.keys.front().pose;
   cloud.color.resize(pose.size());
   for (std::size_t i = 0; i < pose.size(); ++i) {
@@ -156,10 +309,13 @@ void color_by_normals(SurfelCloud& cloud) {
         pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
     cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
   }
+  return Done{};
 }
 
 Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source) {
   if (Status s = check_options(source); !s) return s.error();
+  if (!std::isfinite(frame)) return option_error("frame", "is not finite");
+  if (Status s = points.validate(); !s) return s.error();
   Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
   if (!loaded) return loaded;
   if (Status s = loaded->cloud.validate(); !s) return s.error();
@@ -172,21 +328,32 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
   if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
 
   const std::vector<KeyFile>& files = source.files;
-  std::size_t begin = 0, end = files.size();
-  while (begin + 1 < end && files[begin + 1].frame <= first) ++begin;
-  while (end > begin + 1 && files[end - 2].frame >= last) --end;
-
-  Result<PointSet> set = read_points(files[begin].path, read_options(source));
+  const KeySpan span = span_of(files, first, last);
+  Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
   if (!set) return set.error();
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  if (files.size() > 1) triangles = set->triangle;
-  Result<LoadedCloud> loaded = first_key(*std::move(set), files[begin].frame, source);
-  if (!loaded) return in_file(loaded.error(), files[begin].path);
-  for (std::string& note : loaded->notes) note = files[begin].path + ": " + note;
-  for (std::size_t k = begin + 1; k < end; ++k) {
-    if (Status s = add_key(source, files[begin], files[k], triangles, loaded->cloud); !s) return s.error();
+  const bool several = span.end > span.begin + 1;
+  std::size_t from = span.begin;
+  Result<LoadedCloud> loaded = LoadedCloud{};
+  if (several && !set->id.empty()) {
+    loaded = read_by_id(source, span);
+    from = span.nearest;
+  } else {
+    loaded = read_in_order(source, span, *std::move(set));
   }
-  if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[begin].path);
+  if (!loaded && several && loaded.error().field == "points") {
+    // Particles come and go. One file says how its own move on, if it has velocities.
+    Result<PointSet> alone = read_nearest(source, files[span.nearest]);
+    if (!alone || alone->velocity.empty()) return loaded.error();
+    from = span.nearest;
+    loaded = first_key(*std::move(alone), files[from].frame, source);
+    if (loaded)
+      loaded->report.assumed.push_back(
+          "the numbers of points differ between the files and there are no ids, so those of " +
+          files[from].path + " move along their velocities");
+  }
+  if (!loaded) return in_file(loaded.error(), files[from].path);
+  for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
+  if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
   return loaded;
 }
 

@@ -25,38 +25,49 @@ struct KeyFile {
 };
 
 struct CloudSource {
-  /// At strictly increasing frames. One file may carry velocities. Several are keys of the same
-  /// points: equal counts, point i is point i in all of them.
+  /// At strictly increasing frames. One file may carry velocities. Several are keys of the same points:
+  /// matched by id where the files have ids, else point i is point i in all of them.
   std::vector<KeyFile> files;
   std::map<std::string, std::string> attributes;  ///< as ReadOptions::attributes
   VelocityUnit velocity_unit = VelocityUnit::per_second;
-  FrameRate fps;                         ///< turns velocities per second into velocities per frame
-  std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
-  double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
-  std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
-  bool color_by_normals = false;         ///< as color_by_normals(); not together with `color`
-  bool skip_invalid = false;             ///< as ReadOptions::skip_invalid; single files only
-  double delta = 3.0;                    ///< δ of the kernel, for Gaussian files
+  FrameRate fps;                          ///< turns velocities per second into velocities per frame
+  std::optional<double> radius;           ///< every disc becomes round with this radius, object units, > 0
+  double radius_scale = 1.0;              ///< multiplies whatever the radii are, > 0
+  std::optional<Eigen::Vector3f> color;   ///< linear Rec.709, replaces the file's colours
+  bool color_by_normals = false;          ///< as color_by_normals(); not together with `color`
+  bool skip_invalid = false;              ///< as ReadOptions::skip_invalid; single files only
+  std::optional<double> color_range;      ///< as ReadOptions::color_range
+  std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space
+  double delta = 3.0;                     ///< δ of the kernel, for Gaussian files
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
   std::vector<std::string> notes;
+  ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };
 
 /// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file
-/// has none.
-void color_by_normals(SurfelCloud& cloud);
+/// has none. Errors: as SurfelCloud::validate(), or no key; the cloud is then as it was.
+[[nodiscard]] Status color_by_normals(SurfelCloud& cloud);
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
-/// at or after `last`, and those between. Axes come from the file; else from its triangles (those of the
-/// first file read); else from the nearest points. Every key's axes are aligned to those of the key before.
-/// Colours and opacities are those of the first file read. Errors: as read_points, counts that differ between
-/// files, frames that do not increase, options out of range.
+/// at or after `last`, and those between. Axes come from the file; else from its triangles; else from the
+/// nearest points. Every key's axes are aligned to those of the key before.
+///
+/// Without ids, colours, opacities and triangles are those of the first file read. With ids, the points are
+/// those of the file nearest to the middle of [first, last] (the earlier of two), and so are colours and
+/// triangles. Where another file lacks one of them it moves along its velocity, or stands still; what that
+/// file has lost is told in the report. If counts differ and there are no ids, the cloud is that nearest file
+/// alone, if it has velocities.
+///
+/// Errors: as read_points, counts that differ between files otherwise, frames that do not increase, options
+/// out of range.
 [[nodiscard]] Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last);
 
-/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at.
+/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at. Errors: as
+/// PointSet::validate(), as surfels_from_cloud(), a frame that is not finite, options out of range.
 [[nodiscard]] Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source);
 
 }  // namespace swept

@@ -20,8 +20,9 @@ namespace swept {
 /// Lines of a text without what follows a #, and the tokens of each.
 class LineScanner {
  public:
-  /// `separators` part tokens, besides space and tab.
-  explicit LineScanner(std::string_view text, std::string_view separators = "");
+  /// `separators` part tokens, besides space and tab. A line that ends in `continuation` goes on in the next;
+  /// no token spans the two.
+  explicit LineScanner(std::string_view text, std::string_view separators = "", char continuation = '\0');
 
   /// Moves to the next line that has a token; false at the end.
   bool next_line();
@@ -32,8 +33,12 @@ class LineScanner {
   [[nodiscard]] std::size_t bytes_left() const { return text_.size(); }
 
  private:
+  void take_line();
+
   std::string_view text_, line_;
   std::string blanks_;
+  char continuation_;
+  bool continues_ = false;  ///< line_ goes on in the next
   std::size_t line_number_ = 0;
 };
 

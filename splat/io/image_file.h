@@ -74,6 +74,10 @@ struct ExrOrigin {
 /// where a block of them is missing or beyond the file's end.
 [[nodiscard]] Result<ExrOrigin> read_exr_origin(const std::string& path);
 
+/// The window and film that read_exr would give the image, from the header alone: the arrays are empty.
+/// Errors: as there, as far as the header shows them.
+[[nodiscard]] Result<Image> read_exr_window(const std::string& path);
+
 /// An 8-bit RGBA preview of the window: colours divided by alpha, clipped to [0, 1], sRGB transfer. Where
 /// alpha is 0 or anything is NaN, 0. Errors as for write_exr.
 [[nodiscard]] Status write_png(const std::string& path, const Image& image,

@@ -15,7 +15,8 @@ struct LocalFit {
 };
 
 /// A search tree over the distinct points of a cloud. Points that float cannot tell apart after the cloud is
-/// moved to its centroid and scaled to [-1, 1] count as one.
+/// moved to its centroid and scaled to [-1, 1] count as one. What a point gets does not depend on the order
+/// of the points.
 class Neighbourhood {
  public:
   /// Positions must be finite and stay where they are.
@@ -25,7 +26,7 @@ class Neighbourhood {
   Neighbourhood& operator=(const Neighbourhood&) = delete;
 
   /// Plane of point i and the 12 points nearest to it; spacing of the 6 nearest; of fewer where there
-  /// are fewer.
+  /// are fewer. Of equally near points those with the lesser coordinates count, x first.
   [[nodiscard]] LocalFit fit(std::size_t i) const;
 
  private:

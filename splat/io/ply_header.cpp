@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <unordered_set>
+
+#include "splat/io/read_report.h"
 
 namespace swept {
 namespace {
@@ -17,8 +20,16 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-std::optional<PlyType> type_of(std::string_view name) {
+constexpr const char* kKnownTypes =
+    "known are char, uchar, short, ushort, int, uint, float, double and int8 to float64";
+
+/// Case does not matter: some write Float or UCHAR.
+std::optional<PlyType> type_of(std::string_view word) {
   using Kind = PlyType::Kind;
+  std::string name(word);
+  for (char& c : name) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
   if (name == "char" || name == "int8") return PlyType{Kind::signed_integer, 1};
   if (name == "uchar" || name == "uint8") return PlyType{Kind::unsigned_integer, 1};
   if (name == "short" || name == "int16") return PlyType{Kind::signed_integer, 2};
@@ -72,9 +83,9 @@ class HeaderParser {
     const char* const end = words[2].data() + words[2].size();
     const auto [stop, code] = std::from_chars(words[2].data(), end, element.count);
     if (code != std::errc{} || stop != end) return fail(element.name, "its count is not a whole number");
-    for (const PlyElement& other : header.elements) {
-      if (other.name == element.name) return fail(element.name, "this element is declared twice");
-    }
+    if (!element_names_.insert(element.name).second)
+      return fail(element.name, "this element is declared twice");
+    property_names_.clear();
     header.elements.push_back(element);
     return Done{};
   }
@@ -88,19 +99,22 @@ class HeaderParser {
     property.is_list = is_list;
     const auto type = type_of(words[words.size() - 2]);
     const auto count_type = is_list ? type_of(words[2]) : PlyType{};
-    if (!type || !count_type) return fail(property.name, "has an unknown type");
+    if (!type || !count_type) {
+      const std::string unknown(type ? words[2] : words[words.size() - 2]);
+      return fail(property.name, "has an unknown type, " + listed({unknown}) + "; " + kKnownTypes);
+    }
     if (is_list && count_type->kind == PlyType::Kind::real)
       return fail(property.name, "counts its list in reals");
     property.type = *type;
     property.count_type = *count_type;
-    for (const PlyProperty& other : header.elements.back().properties) {
-      if (other.name == property.name) return fail(property.name, "this property is declared twice");
-    }
+    if (!property_names_.insert(property.name).second)
+      return fail(property.name, "this property is declared twice");
     header.elements.back().properties.push_back(property);
     return Done{};
   }
 
   const std::string& path_;
+  std::unordered_set<std::string> element_names_, property_names_;  ///< properties of the last element
 };
 
 }  // namespace

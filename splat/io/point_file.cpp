@@ -1,7 +1,10 @@
 #include "splat/io/point_file.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <new>
+#include <string_view>
 
 #include "splat/io/file_bytes.h"
 #include "splat/io/read_formats.h"
@@ -14,18 +17,31 @@ Result<PointSet> read_points(const std::string& path, const ReadOptions& options
   for (char& c : extension) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
-  const auto read = extension == ".ply"                          ? read_ply
-                    : extension == ".pcd"                        ? read_pcd
-                    : extension == ".xyz" || extension == ".txt" ? read_xyz
-                    : extension == ".obj"                        ? read_obj
-                    : extension == ".off"                        ? read_off
-                                                                 : nullptr;
+  constexpr std::array<std::string_view, 7> text{".xyz", ".txt", ".asc", ".csv", ".pts", ".xyzn", ".xyzrgb"};
+  const bool is_text = std::find(text.begin(), text.end(), extension) != text.end();
+  const auto read = extension == ".ply"   ? read_ply
+                    : extension == ".pcd" ? read_pcd
+                    : is_text             ? read_xyz
+                    : extension == ".obj" ? read_obj
+                    : extension == ".off" ? read_off
+                                          : nullptr;
   if (!read) {
-    return Error{path, "", "its extension is none of .ply .pcd .xyz .txt .obj .off"};
+    return Error{
+        path, "",
+        "its extension is none of .ply .pcd .obj .off, or of text .xyz .txt .asc .csv .pts .xyzn .xyzrgb"};
   }
   const Result<std::string> bytes = read_bytes(path);
   if (!bytes) return bytes.error();
-  return read(path, *bytes, options);
+  // Some write a byte order mark before UTF-8.
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  std::string_view content = *bytes;
+  if (read != read_pcd && read != read_ply && content.substr(0, mark.size()) == mark)
+    content.remove_prefix(mark.size());
+  try {
+    return read(path, content, options);
+  } catch (const std::bad_alloc&) {
+    return Error{path, "", "its points do not fit into memory"};
+  }
 }
 
 }  // namespace swept

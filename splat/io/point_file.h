@@ -1,33 +1,42 @@
 // Points as a file stores them, before anything decides how they move or how large they are.
 //
-// Formats, by extension: .ply (ASCII, both binary byte orders), .pcd, .xyz/.txt (columns), .obj, .off.
+// Formats, by extension: .ply (ASCII, both binary byte orders), .pcd, columns of text (.xyz .txt .asc .csv
+// .pts .xyzn .xyzrgb), .obj, .off.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "splat/io/read_report.h"
 #include "splat/result.h"
 
 namespace swept {
 
+/// How stored colours relate to light: linear, or by the sRGB curve.
+enum class ColorSpace { linear, srgb };
+
 /// Which properties of a file mean what, and what to do with bad rows.
 struct ReadOptions {
-  /// Attribute → comma-separated property names of the file, in place of the usual names:
-  ///   position  x,y,z
-  ///   normal    nx,ny,nz | normal_x,normal_y,normal_z
-  ///   velocity  vx,vy,vz | velocity_x,… | velocities_x,…
-  ///   color     red,green,blue[,alpha] | r,g,b[,a] | diffuse_red,…
-  ///   radius    radius
-  ///   width     width                     (a diameter)
-  ///   opacity   opacity
-  /// An empty string leaves the attribute unread. Columns of a text file are named 1, 2, 3, …
+  /// Attribute → comma-separated property names of the file, in place of the usual names, of which
+  /// splat/io/attribute_names.cpp has the table. The attributes:
+  ///   position, normal, velocity   three properties, or one that holds three numbers
+  ///   color                        three or, with alpha, four
+  ///   radius, width (a diameter), opacity, intensity (a grey where there is no colour), id
+  /// An empty string leaves the attribute unread. Case does not matter where nothing else fits. Columns of a
+  /// text file are named 1, 2, 3, …, besides what its header calls them.
   std::map<std::string, std::string> attributes;
-  double delta = 3.0;         ///< δ of the kernel that Gaussian files are fitted to, > 0
+  double delta = 3.0;  ///< δ of the kernel that Gaussian files are fitted to, > 0
+  /// What a full channel is stored as, > 0. By default what the type says, 255 or 65535, or 1 for reals; if
+  /// the numbers say otherwise, they decide, and the report says so.
+  std::optional<double> color_range;
+  /// By default linear for reals up to 1, else sRGB. Of intensities, sRGB.
+  std::optional<ColorSpace> color_space;
   bool skip_invalid = false;  ///< drop points with NaN or infinite numbers; else they are an error
 };
 
@@ -38,13 +47,20 @@ struct PointSet {
   std::vector<float> radius;            ///< at the kernel's cut-off, object units, ≥ 0
   std::vector<Eigen::Vector3f> axis_u;  ///< of Gaussian files: radii at the cut-off; comes with axis_v
   std::vector<Eigen::Vector3f> axis_v;
-  std::vector<Eigen::Vector3f> color;     ///< linear Rec.709; stored integers are taken as sRGB
+  std::vector<Eigen::Vector3f> color;     ///< linear Rec.709; intensities are greys
   std::vector<float> opacity;             ///< [0, 1]
   std::vector<Eigen::Vector3f> velocity;  ///< as stored: the file does not say per second or per frame
+  std::vector<std::int64_t> id;           ///< names of points, the same in every file of a sequence
   std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
+  ReadReport report;                                   ///< what was read, and what was not
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
+
+  /// There are points, counts agree, every number is finite and in its range, corners of triangles are
+  /// points. Normals may have any length. The error's field names the array and the first offending index;
+  /// its file is left for the caller to fill in.
+  [[nodiscard]] Status validate() const;
 };
 
 /// Reads one file whole. Gaussian splats are recognised by scale_0, scale_1[, scale_2] and rot_0…3: log

@@ -103,8 +103,8 @@ Error missing_channel(const std::string& path, const char* name, const Imf::Chan
   return {path, name, "no such channel; the file has " + (present.empty() ? "none" : present)};
 }
 
-Result<Image> read(const std::string& path) {
-  Imf::InputFile file(path.c_str(), 0);
+/// The image without its pixels.
+Result<Image> window_of(const std::string& path, const Imf::InputFile& file) {
   const Imf::ChannelList& channels = file.header().channels();
   for (const char* name : {"R", "G", "B"}) {
     if (channels.findChannel(name) == nullptr) return missing_channel(path, name, channels);
@@ -126,7 +126,20 @@ Result<Image> read(const std::string& path) {
     *to = static_cast<int>(from);
     if (*to != from) return Error{path, "dataWindow, displayWindow", "too large"};
   }
-  read_pixels(file, channels.findChannel("Z") != nullptr, image);
+  return image;
+}
+
+Result<Image> read_window(const std::string& path) {
+  const Imf::InputFile file(path.c_str(), 0);
+  return window_of(path, file);
+}
+
+Result<Image> read_whole(const std::string& path) {
+  Imf::InputFile file(path.c_str(), 0);
+  Result<Image> window = window_of(path, file);
+  if (!window) return window;
+  Image image = *std::move(window);
+  read_pixels(file, file.header().channels().findChannel("Z") != nullptr, image);
   if (const Status status = image.validate(); !status) {
     return Error{path, status.error().field, status.error().reason};
   }
@@ -157,7 +170,10 @@ Result<ExrOrigin> read_exr_origin(const std::string& path) {
   }
 }
 
-Result<Image> read_exr(const std::string& path) {
+namespace {
+
+/// `read` on a file whose header makes sense.
+Result<Image> read_checked(const std::string& path, Result<Image> (*read)(const std::string&)) {
   if (const Status status = check_file(path, false); !status) return status.error();
   try {
     return read(path);
@@ -165,5 +181,11 @@ Result<Image> read_exr(const std::string& path) {
     return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
   }
 }
+
+}  // namespace
+
+Result<Image> read_exr(const std::string& path) { return read_checked(path, read_whole); }
+
+Result<Image> read_exr_window(const std::string& path) { return read_checked(path, read_window); }
 
 }  // namespace swept

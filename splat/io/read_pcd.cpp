@@ -1,14 +1,16 @@
-// PCD, all three encodings. PCL unpacks the compressed one; its reader is not used because it
-// allocates what the header promises, turns words that are no numbers into zeros, and prints.
+// PCD, all three encodings. PCL's own reader is not used because it allocates what the header promises, turns
+// words that are no numbers into zeros, and prints.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
 
-#include <pcl/io/lzf.h>
+#include <liblzf/lzf.h>
 
+#include "splat/io/attribute_names.h"
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
 #include "splat/io/read_formats.h"
@@ -34,6 +36,16 @@ struct Header {
 };
 
 using Words = std::vector<std::string>;
+
+/// Headers are a dozen short lines. What they say is kept in pieces that take many times their length.
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
+constexpr const char* kKeywords[] = {"FIELDS", "SIZE",   "TYPE",      "COUNT", "WIDTH",
+                                     "HEIGHT", "POINTS", "VIEWPOINT", "DATA"};
+
+/// A back reference of LZF has three bytes at most, and stands for 264 bytes at most.
+constexpr std::uint32_t kMostPerByte = 88;
+/// Measured clouds come to 1 to 4, those with nothing in most pixels to 20. What unpacks to little may do so.
+constexpr std::uint64_t kLikelyPerByte = 16, kAlwaysUnpacked = std::uint64_t{64} << 20;
 
 /// A whole number ≥ 1 and small enough that products of three do not overflow.
 std::optional<std::uint64_t> whole(const std::string& word, std::uint64_t most) {
@@ -74,12 +86,18 @@ Result<Header> parse_header(const std::string& path, std::string_view bytes) {
   Header header;
   std::size_t at = 0;
   while (!entries.count("DATA")) {
-    const std::size_t end = bytes.find('\n', at);
-    if (end == bytes.npos) return Error{path, "DATA", "the header does not end with it"};
+    const std::size_t end = bytes.substr(0, kMostHeaderBytes).find('\n', at);
+    if (end == bytes.npos) {
+      return Error{path, "DATA",
+                   std::string("the header does not end with it") +
+                       (bytes.size() > kMostHeaderBytes ? " within a megabyte" : "")};
+    }
     LineScanner line(bytes.substr(at, end - at));
     at = end + 1;
     if (!line.next_line()) continue;
-    Words& words = entries[std::string(line.next_token())];
+    const std::string_view key = line.next_token();
+    if (std::find(std::begin(kKeywords), std::end(kKeywords), key) == std::end(kKeywords)) continue;
+    Words& words = entries[std::string(key)];
     words.clear();
     for (auto token = line.next_token(); !token.empty(); token = line.next_token()) words.emplace_back(token);
   }
@@ -134,10 +152,12 @@ bool is_packed(const Field& field) {
   return (field.name == "rgb" || field.name == "rgba") && field.bytes == 4 && field.count == 1;
 }
 
-/// What the attributes are looked up in: the first entry of each field, and packed colours in three.
+/// What the attributes are looked up in: the first entry of each field, three of vectors, and packed colours
+/// in three.
 struct Layout {
   std::vector<Column> columns;
   std::vector<std::size_t> field;  ///< of each column
+  std::vector<std::size_t> entry;  ///< of that field
   std::vector<int> shift;          ///< right shift of a packed channel; -1: a plain number
 };
 
@@ -146,6 +166,7 @@ Layout layout_of(const Header& header) {
   const auto add = [&](const std::string& name, double full_scale, std::size_t f, int shift) {
     layout.columns.push_back({name, full_scale});
     layout.field.push_back(f);
+    layout.entry.push_back(0);
     layout.shift.push_back(shift);
   };
   for (std::size_t f = 0; f < header.fields.size(); ++f) {
@@ -156,7 +177,16 @@ Layout layout_of(const Header& header) {
       add("blue", 255.0, f, 0);
     } else {
       const double full_scale = field.type == 'F' ? 0.0 : field.bytes == 2 ? 65535.0 : 255.0;
-      add(field.name, full_scale, f, -1);
+      if (field.count != 3 || !is_vector_name(field.name)) {
+        add(field.name, full_scale, f, -1);
+        continue;
+      }
+      add_vector_columns(field.name, full_scale, layout.columns);
+      for (std::size_t entry = 0; entry < 3; ++entry) {
+        layout.field.push_back(f);
+        layout.entry.push_back(entry);
+        layout.shift.push_back(-1);
+      }
     }
   }
   return layout;
@@ -173,7 +203,8 @@ Values take_binary(const Header& header, const Layout& layout, const std::vector
     if (!needed[c]) continue;
     const Field& field = header.fields[layout.field[c]];
     const std::size_t stride = row_wise ? header.point_bytes : field.bytes * field.count;
-    const char* at = body.data() + (row_wise ? field.offset : field.offset * points);
+    const char* at =
+        body.data() + (row_wise ? field.offset : field.offset * points) + field.bytes * layout.entry[c];
     values[c].resize(points);
     for (std::size_t i = 0; i < points; ++i, at += stride) {
       if (layout.shift[c] < 0) {
@@ -216,12 +247,16 @@ Result<Values> read_compressed(const std::string& path, const Header& header, co
                      std::to_string(header.point_bytes) + " bytes, the data " + std::to_string(sizes[1]) +
                      " bytes"};
   }
-  // Three bytes of LZF stand for 264 at most.
-  std::string unpacked;
-  if (sizes[1] / 88 <= sizes[0]) unpacked.resize(sizes[1]);
-  if (unpacked.empty() || pcl::lzfDecompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) {
-    return Error{path, "DATA", "the compressed points are damaged"};
+  const Error damaged{path, "DATA", "the compressed points are damaged"};
+  if (sizes[1] / kMostPerByte > sizes[0]) return damaged;
+  if (sizes[1] > kAlwaysUnpacked && sizes[1] / kLikelyPerByte > sizes[0]) {
+    return Error{path, "DATA",
+                 "would unpack " + std::to_string(sizes[0]) + " bytes to " + std::to_string(sizes[1]) +
+                     ", more than " + std::to_string(kLikelyPerByte) +
+                     " times as many; if these are points, write them with DATA binary"};
   }
+  std::string unpacked(sizes[1], '\0');
+  if (lzf_decompress(body.data(), sizes[0], unpacked.data(), sizes[1]) != sizes[1]) return damaged;
   return take_binary(header, layout, needed, unpacked, false);
 }
 
@@ -256,7 +291,7 @@ Result<Values> read_ascii(const std::string& path, const Header& header, const L
     for (std::size_t c = 0; c < values.size(); ++c) {
       if (!needed[c]) continue;
       const Field& field = header.fields[layout.field[c]];
-      const std::string_view token = tokens[first_number[layout.field[c]]];
+      const std::string_view token = tokens[first_number[layout.field[c]] + layout.entry[c]];
       const std::optional<double> value = parse_number(token);
       if (!value) return Error{path, field.name, point + not_a_number(token)};
       double number = *value;
@@ -295,6 +330,9 @@ Result<PointSet> read_pcd(const std::string& path, std::string_view bytes, const
   const Result<Values> values = read(path, *header, layout, needed, body);
   if (!values) return values.error();
   Result<PointSet> set = assemble_points(path, layout.columns, *plan, *values, {}, options);
+  for (const Field& field : header->fields) {
+    if (set && field.name == "rgba" && is_packed(field)) set->report.unread.push_back("alpha of rgba");
+  }
   if (set && header->posed) set->notes.push_back("the file's VIEWPOINT is not applied");
   return set;
 }

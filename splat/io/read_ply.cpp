@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "splat/io/attribute_names.h"
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
 #include "splat/io/ply_header.h"
@@ -104,11 +105,19 @@ class PlyReader {
   Result<PointSet> read() {
     const auto vertex = std::find_if(header_.elements.begin(), header_.elements.end(),
                                      [](const PlyElement& e) { return e.name == "vertex"; });
-    if (vertex == header_.elements.end()) return Error{path_, "vertex", "the file has no such element"};
+    if (vertex == header_.elements.end()) {
+      std::vector<std::string> names;
+      for (const PlyElement& element : header_.elements) names.push_back(element.name);
+      return Error{path_, "vertex",
+                   "the file has no such element" + (names.empty() ? "" : "; it has " + listed(names))};
+    }
     vertex_count_ = vertex->count;
-    // Lists keep their place among the columns, under a name that nothing asks for.
     for (const PlyProperty& p : vertex->properties) {
-      columns_.push_back({p.is_list ? "" : p.name, full_scale_of(p.type)});
+      column_of_.push_back(columns_.size());
+      if (p.is_list && is_vector_name(p.name))
+        add_vector_columns(p.name, full_scale_of(p.type), columns_);
+      else
+        columns_.push_back({p.name, full_scale_of(p.type), "", p.is_list});
     }
     Result<AttributePlan> plan = plan_attributes(path_, columns_, options_);
     if (!plan) return plan.error();
@@ -118,7 +127,9 @@ class PlyReader {
     for (const PlyElement& element : header_.elements) {
       if (Status s = read_element(element); !s) return s.error();
     }
-    return assemble_points(path_, columns_, *plan, values_, std::move(triangles_), options_);
+    Result<PointSet> set = assemble_points(path_, columns_, *plan, values_, std::move(triangles_), options_);
+    if (set) report_elements(set->report);
+    return set;
   }
 
  private:
@@ -144,19 +155,58 @@ class PlyReader {
       if (one_line) stream_.begin_row();
       for (std::size_t c = 0; c < element.properties.size(); ++c) {
         const PlyProperty& property = element.properties[c];
+        const std::size_t column = is_vertex ? column_of_[c] : 0;
         if (property.is_list) {
-          if (Status s = read_list(element, property, row); !s) return s;
+          const bool vector = is_vertex && !columns_[column].is_list;
+          if (Status s =
+                  vector ? read_vector(element, property, row, column) : read_list(element, property, row);
+              !s)
+            return s;
           continue;
         }
         const std::optional<double> value = stream_.next(property.type);
         if (!value) return fail(element, property, row, stream_.fault());
-        if (is_vertex && needed_[c]) values_[c].push_back(*value);
+        if (is_vertex && needed_[column]) values_[column].push_back(*value);
       }
       if (one_line && !stream_.end_row()) {
         return fail(element, element.properties.back(), row, "the line goes on after it");
       }
     }
     return Done{};
+  }
+
+  /// A list that is one vector; of another length it is skipped where nothing needs it.
+  Status read_vector(const PlyElement& element, const PlyProperty& property, std::uint64_t row,
+                     std::size_t column) {
+    const bool needed = needed_[column] || needed_[column + 1] || needed_[column + 2];
+    if (!needed) return read_list(element, property, row);
+    const std::optional<double> length = stream_.next(property.count_type);
+    if (!length) return fail(element, property, row, stream_.fault());
+    if (*length != 3.0) {
+      return fail(element, property, row,
+                  "its list must have 3 numbers; an empty name in \"attributes\" leaves it unread");
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::optional<double> value = stream_.next(property.type);
+      if (!value) return fail(element, property, row, stream_.fault());
+      if (needed_[column + k]) values_[column + k].push_back(*value);
+    }
+    return Done{};
+  }
+
+  /// What else the file holds. Faces are read, but for what they say beside their corners.
+  void report_elements(ReadReport& report) const {
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex" || element.count == 0) continue;
+      for (const PlyProperty& property : element.properties) {
+        if (!is_corners(element, property)) report.unread.push_back(element.name + "." + property.name);
+      }
+    }
+  }
+
+  static bool is_corners(const PlyElement& element, const PlyProperty& property) {
+    return (element.name == "face" || element.name == "tristrips") && property.is_list &&
+           (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
   Status read_list(const PlyElement& element, const PlyProperty& property, std::uint64_t row) {
@@ -170,9 +220,7 @@ class PlyReader {
       return fail(element, property, row,
                   "its list of " + std::to_string(count) + " entries runs past the end of the file");
     }
-    const bool is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
-    const bool is_strip = element.name == "tristrips" && is_corners;
-    const bool wanted = is_strip || (element.name == "face" && is_corners);
+    const bool wanted = is_corners(element, property), is_strip = wanted && element.name == "tristrips";
     corners_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::optional<double> value = stream_.next(property.type);
@@ -205,6 +253,7 @@ class PlyReader {
   NumberStream stream_;
   std::uint64_t vertex_count_ = 0;
   std::vector<Column> columns_;
+  std::vector<std::size_t> column_of_;  ///< of each property of the vertices, the first
   std::vector<bool> needed_;
   std::vector<std::vector<double>> values_;
   std::vector<std::int64_t> corners_;

@@ -33,11 +33,12 @@ CameraKey parse_matrix(const JsonNode& node, bool opengl) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   const std::vector<double> numbers = node.numbers(16);
   const RowMajor matrix = Eigen::Map<const RowMajor>(numbers.data());
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    node.fail("the last row of the camera-to-world matrix must be 0 0 0 1");
-  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
   // Four decimal digits must pass: entries off by 5e-5 put a product of two columns off by 3 · 1e-4.
   constexpr double rigid_tolerance = 3e-4;
+  // What is inverted or multiplied elsewhere comes with rounding in the last row too.
+  if (!((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() <= rigid_tolerance))
+    node.fail("the last row of the camera-to-world matrix must be 0 0 0 1");
+  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
   const Eigen::Matrix3d deviation = linear.transpose() * linear - Eigen::Matrix3d::Identity();
   if (!(deviation.cwiseAbs().maxCoeff() <= rigid_tolerance))
     node.fail("the camera-to-world matrix is not rigid: it is singular, scales or shears");

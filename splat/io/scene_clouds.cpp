@@ -14,11 +14,13 @@ namespace swept {
 namespace {
 
 /// Attributes that a generator does not know about.
-void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
+Status apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
   if (source.velocity == VelocityUnit::ignore) cloud.velocity.clear();
   if (source.color) cloud.color.assign(cloud.size(), *source.color);
-  if (source.color_by_normals) color_by_normals(cloud);
-  if (!source.radius && source.radius_scale == 1.0) return;
+  if (source.color_by_normals) {
+    if (Status s = color_by_normals(cloud); !s) return s;
+  }
+  if (!source.radius && source.radius_scale == 1.0) return Done{};
   for (SurfelKey& key : cloud.keys) {
     for (std::size_t i = 0; i < key.pose.size(); ++i) {
       Eigen::Vector3f &u = key.pose.axis_u[i], &v = key.pose.axis_v[i];
@@ -28,6 +30,7 @@ void apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
       v = (v.cast<double>() * source.radius_scale).cast<float>();
     }
   }
+  return Done{};
 }
 
 Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSource& source,
@@ -36,9 +39,11 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (!(count < 1e15)) return Error{"", "points", "too many points"};
   Result<SurfelCloud> cloud = generator(points.shape, static_cast<std::size_t>(count), points.parameters);
   if (!cloud) return cloud.error();
-  apply_overrides(source, *cloud);
+  // The caller's generator may return anything.
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}};
+  if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
+  if (const Status valid = cloud->validate(); !valid) return valid.error();
+  return LoadedCloud{std::move(*cloud), {}, {}};
 }
 
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
@@ -81,9 +86,14 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
     first = cloud.files.front().frame;
     last = cloud.files.back().frame;
     cloud.attributes = file->attributes;
+    cloud.color_range = file->stored.range;
+    cloud.color_space = file->stored.space;
     cloud.skip_invalid = file->skip_invalid;
   } else {
-    cloud.attributes = std::get<SequenceSource>(source.points).attributes;
+    const auto& sequence = std::get<SequenceSource>(source.points);
+    cloud.attributes = sequence.attributes;
+    cloud.color_range = sequence.stored.range;
+    cloud.color_space = sequence.stored.space;
   }
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
   if (!loaded && loaded.error().file.empty())
@@ -108,6 +118,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       if (!loaded) return loaded.error();
       scene_.objects[i].cloud = std::move(loaded->cloud);
       state.notes = std::move(loaded->notes);
+      // Without the file's name, so that the frames of a sequence do not all say the same again.
+      for (std::string& line : loaded->report.lines()) state.notes.push_back(std::move(line));
       state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
     } catch (const std::bad_alloc&) {
       return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};

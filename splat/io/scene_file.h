@@ -32,12 +32,19 @@ struct GeneratorSource {
   std::map<std::string, double> parameters;  ///< "seed" is one of them
 };
 
+/// How files store colours, where their own numbers do not say it.
+struct StoredColor {
+  std::optional<double> range;      ///< as ReadOptions::color_range
+  std::optional<ColorSpace> space;  ///< as ReadOptions::color_space
+};
+
 struct FileSource {
   std::string path;
   double frame = 0.0;                             ///< when the points are where the file says
   std::map<std::string, std::string> attributes;  ///< as CloudSource::attributes
-  bool skip_invalid = false;                      ///< drop points that are not finite; else an error
-  std::string end_path;                           ///< the same points at end_frame; empty: none
+  StoredColor stored;
+  bool skip_invalid = false;  ///< drop points that are not finite; else an error
+  std::string end_path;       ///< the same points at end_frame; empty: none
   double end_frame = 1.0;
 };
 
@@ -51,6 +58,7 @@ struct SequenceSource {
   bool gaps = false;   ///< files may be missing, and points move straight across; else an error
   bool cycle = false;  ///< frame last + step is frame first again, and so on both ways; else held outside
   std::map<std::string, std::string> attributes;
+  StoredColor stored;
 };
 
 /// Where an object's points come from, and what is done to them before they are rendered.

@@ -31,6 +31,14 @@ std::map<std::string, std::string> parse_attributes(const JsonNode& source) {
   return attributes;
 }
 
+StoredColor parse_stored_color(const JsonNode& source) {
+  StoredColor stored;
+  if (const auto range = source.find("color_range")) stored.range = range->positive();
+  if (const auto space = source.find("color_space"))
+    stored.space = space->one_of({"linear", "srgb"}) == 0 ? ColorSpace::linear : ColorSpace::srgb;
+  return stored;
+}
+
 GeneratorSource parse_generator(const JsonNode& node) {
   GeneratorSource source;
   source.shape = node.require("generator").string();
@@ -41,12 +49,14 @@ GeneratorSource parse_generator(const JsonNode& node) {
 }
 
 FileSource parse_file(const JsonNode& node, const std::string& folder, double default_frame) {
-  node.expect_keys({"file", "frame", "attributes", "skip_invalid", "end_file", "end_frame"});
+  node.expect_keys(
+      {"file", "frame", "attributes", "color_range", "color_space", "skip_invalid", "end_file", "end_frame"});
   FileSource source;
   source.path = resolve(node.require("file"), folder);
   source.frame = default_frame;
   if (const auto frame = node.find("frame")) source.frame = frame_of(*frame);
   source.attributes = parse_attributes(node);
+  source.stored = parse_stored_color(node);
   if (const auto skip = node.find("skip_invalid")) source.skip_invalid = skip->boolean();
   source.end_frame = source.frame + 1.0;
   if (const auto end = node.find("end_file")) source.end_path = resolve(*end, folder);
@@ -61,7 +71,8 @@ FileSource parse_file(const JsonNode& node, const std::string& folder, double de
 }
 
 SequenceSource parse_sequence(const JsonNode& node, const std::string& folder) {
-  node.expect_keys({"sequence", "first", "last", "step", "frames", "offset", "gaps", "cycle", "attributes"});
+  node.expect_keys({"sequence", "first", "last", "step", "frames", "offset", "gaps", "cycle", "attributes",
+                    "color_range", "color_space"});
   SequenceSource source;
   source.pattern = resolve(node.require("sequence"), folder);
   const auto number = [](const JsonNode& of, long long least = -max_frame_number) {
@@ -89,6 +100,7 @@ SequenceSource parse_sequence(const JsonNode& node, const std::string& folder) {
   if (const auto gaps = node.find("gaps")) source.gaps = gaps->boolean();
   if (const auto cycle = node.find("cycle")) source.cycle = cycle->boolean();
   source.attributes = parse_attributes(node);
+  source.stored = parse_stored_color(node);
   return source;
 }
 

@@ -31,8 +31,9 @@ struct EstimatedSurfels {
 /// outside. The axes are the eigenvectors of the one-ring's second moment M = mean(e eᵀ) of the edges e
 /// in that plane, with lengths kRadiusPerSpacing · √(2λ): √(2λ) is h on a triangular grid of spacing h. The
 /// shorter axis is at least a tenth of the longer. Vertices without triangles of any area are estimated from
-/// their nearest points, and counted in the notes. Indices must be below positions.size().
-/// Errors (file left empty): no two distinct points to estimate a lone vertex from.
+/// their nearest points, with the front of the nearest other vertex, and counted in the notes. Errors (file
+/// left empty): positions that are not finite, corners that are no vertex, no two distinct points to estimate
+/// a lone vertex from, discs beyond the range of float.
 [[nodiscard]] Result<EstimatedSurfels> surfels_from_mesh(
     const std::vector<Eigen::Vector3d>& positions,
     const std::vector<std::array<std::uint32_t, 3>>& triangles);
@@ -40,7 +41,8 @@ struct EstimatedSurfels {
 /// One round disc per point: normal, if the set has none, of the plane through the 12 nearest distinct
 /// points; radius, if it has none, kRadiusPerSpacing · the mean distance of the 6 nearest distinct
 /// points, at most 10 times the median radius. What is estimated is said in the notes; estimated normals are
-/// unoriented. Errors (file left empty): a radius is needed and all points coincide.
+/// unoriented. Errors (file left empty): as PointSet::validate(), a radius is needed and all points coincide,
+/// discs beyond the range of float.
 [[nodiscard]] Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points);
 
 /// Axes of a round disc of the given radius facing `normal` (any length > 0), a₁ × a₂ along it.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/io/check_points.h"
 #include "splat/io/neighbourhood.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -37,6 +38,7 @@ void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& a
 }
 
 Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points) {
+  if (Status s = points.validate(); !s) return s.error();
   const std::size_t count = points.size();
   EstimatedSurfels surfels;
   std::vector<Eigen::Vector3d> normals(count, Eigen::Vector3d::Zero());
@@ -75,6 +77,7 @@ Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points) {
   for (std::size_t i = 0; i < count; ++i) {
     round_disc(normals[i], radii[i], surfels.pose.axis_u[i], surfels.pose.axis_v[i]);
   }
+  if (Status s = check_axes(surfels.pose); !s) return s.error();
   return surfels;
 }
 

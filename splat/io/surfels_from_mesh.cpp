@@ -1,12 +1,15 @@
 // One-rings straight from the list of triangles: files hold triangles that share an edge three times or
 // turn the wrong way, and a half-edge mesh leaves those out.
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "splat/io/check_points.h"
+#include "splat/io/nearest_point.h"
 #include "splat/io/neighbourhood.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -87,16 +90,33 @@ double median_length(const std::vector<Eigen::Vector3f>& axes, const std::vector
   return static_cast<double>(*middle);
 }
 
-/// Discs for the vertices no triangle speaks for, no larger than half of the mesh's own are.
-Status fit_lone(const Positions& positions, EstimatedSurfels& surfels) {
+/// The vertices that are not in `left_out`, which is increasing.
+std::vector<std::size_t> others(std::size_t count, const std::vector<std::size_t>& left_out) {
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0, k = 0; i < count; ++i) {
+    if (k < left_out.size() && left_out[k] == i)
+      ++k;
+    else
+      others.push_back(i);
+  }
+  return others;
+}
+
+/// Discs for the vertices no triangle speaks for, no larger than half of the mesh's own are, on the side that
+/// the triangles of the nearest other vertex have for their front.
+Status fit_lone(const Positions& positions, const Positions& normal, EstimatedSurfels& surfels) {
   const Neighbourhood neighbourhood(positions);
   const double most = median_length(surfels.pose.axis_u, surfels.unoriented);
+  std::vector<std::size_t> sided = others(positions.size(), surfels.unoriented);
+  std::optional<NearestPoint> nearest;
+  if (!sided.empty()) nearest.emplace(positions, std::move(sided));
   for (const std::size_t v : surfels.unoriented) {
     const LocalFit fit = neighbourhood.fit(v);
     if (!(fit.spacing > 0.0)) return Error{"", "radius", "all points coincide, so none can be estimated"};
     const double radius = kRadiusPerSpacing * fit.spacing;
-    round_disc(fit.normal, most > 0.0 ? std::min(radius, most) : radius, surfels.pose.axis_u[v],
-               surfels.pose.axis_v[v]);
+    const bool other_side = nearest && fit.normal.dot(normal[nearest->to(positions[v])]) < 0.0;
+    round_disc(other_side ? Eigen::Vector3d(-fit.normal) : fit.normal,
+               most > 0.0 ? std::min(radius, most) : radius, surfels.pose.axis_u[v], surfels.pose.axis_v[v]);
   }
   return Done{};
 }
@@ -105,10 +125,11 @@ Status fit_lone(const Positions& positions, EstimatedSurfels& surfels) {
 
 Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Triangles& triangles) {
   const std::size_t count = positions.size();
+  if (Status s = check_positions(positions); !s) return s.error();
+  if (Status s = check_triangles(triangles, count); !s) return s.error();
   Positions normal(count, Eigen::Vector3d::Zero());
   std::vector<double> area(count, 0.0);
   for (const auto& [a, b, c] : triangles) {
-    assert(a < count && b < count && c < count);
     const Eigen::Vector3d n = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
     for (const std::uint32_t corner : {a, b, c}) {
       normal[corner] += n;
@@ -132,10 +153,11 @@ Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Tri
     }
   }
   if (!surfels.unoriented.empty()) {
-    if (Status s = fit_lone(positions, surfels); !s) return s.error();
+    if (Status s = fit_lone(positions, normal, surfels); !s) return s.error();
     surfels.notes.push_back(std::to_string(surfels.unoriented.size()) +
                             " vertices without triangles of any area, estimated from their nearest points");
   }
+  if (Status s = check_axes(surfels.pose); !s) return s.error();
   return surfels;
 }
 

@@ -33,6 +33,7 @@ void check_points(const PointSet& set) {
   check_count(set.color, set.size());
   check_count(set.opacity, set.size());
   check_count(set.velocity, set.size());
+  check_count(set.id, set.size());
   SWEPT_HOLDS(set.axis_u.size() == set.axis_v.size());
   check_finite(set.position);
   check_finite(set.axis_u);
@@ -44,6 +45,8 @@ void check_points(const PointSet& set) {
     SWEPT_HOLDS(n.isZero(0.0f) || std::abs(n.cast<double>().norm() - 1.0) <= 4 * 0x1p-24);
   for (const float radius : set.radius) SWEPT_HOLDS(radius >= 0.0f && std::isfinite(radius));
   for (const float opacity : set.opacity) SWEPT_HOLDS(opacity >= 0.0f && opacity <= 1.0f);
+  SWEPT_HOLDS(set.report.points == set.size() + set.report.dropped);
+  for (const std::string& line : set.report.lines()) SWEPT_HOLDS(!line.empty() && line.size() < 4096);
   for (const auto& triangle : set.triangle)
     for (const std::uint32_t corner : triangle) SWEPT_HOLDS(corner < set.size());
 }
@@ -69,6 +72,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   swept::ReadOptions options;
   swept::read(bytes, options);
   options.skip_invalid = true;
+  swept::read(bytes, options);
+  options.color_range = 1e-6;
+  options.color_space = swept::ColorSpace::srgb;
   swept::read(bytes, options);
 #ifdef SWEPT_READER_OF_COLUMNS
   options.attributes = {{"position", "1,2,3"}, {"color", "4,5,6,7"}, {"width", "8"}};

@@ -6,6 +6,9 @@
 #include <gpu_passes/gpu_renderer.h>
 #endif
 #include <splat/io/image_file.h>
+#ifdef WITH_PCL
+#include <splat/io/pcl/point_cloud.h>
+#endif
 #include <splat/scene.h>
 
 int main(int argc, char** argv) {
@@ -22,6 +25,11 @@ int main(int argc, char** argv) {
   if (!rendered) return std::fprintf(stderr, "%s\n", rendered.error().message().c_str()), 1;
   const swept::Status written = swept::write_exr(argv[1], rendered->image);
   if (!written) return std::fprintf(stderr, "%s\n", written.error().message().c_str()), 1;
+
+#ifdef WITH_PCL
+  const auto points = swept::pcl_from_cloud(scene.objects[0].cloud, 0.0);
+  if (!points || !swept::cloud_from_pcl(*points, 0.0)) return 1;
+#endif
 
 #ifdef WITH_GPU
   if (swept::Result<swept::GpuRenderer> gpu = swept::GpuRenderer::create(); !gpu)

@@ -1,7 +1,7 @@
 # Installs BUILD to a prefix in WORK, checks what arrived, and builds and runs a consumer against it.
 #
 # Every public header may include the standard library, Eigen and other public headers, and nothing else:
-# on a machine that has all the libraries no compiler would notice.
+# on a machine that has all the libraries no compiler would notice. Those of the component pcl include PCL too.
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${WORK})
 
@@ -18,9 +18,15 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --config ${CONFIG})
 # The manifest. The name of the library folder is the system's.
 file(GLOB_RECURSE installed RELATIVE ${prefix} ${prefix}/*)
 string(REPLACE "${LIBDIR}/" "lib/" installed "${installed}")
-list(TRANSFORM installed REPLACE "sweptTargets-[a-z]+" "sweptTargets-CONFIG")
+list(TRANSFORM installed REPLACE "(swept[A-Za-z]*Targets)-[a-z]+" "\\1-CONFIG")
 list(SORT installed)
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/manifest.txt expected)
+if(NOT WITH_GPU)
+  list(FILTER expected EXCLUDE REGEX gpu)
+endif()
+if(NOT WITH_PCL)
+  list(FILTER expected EXCLUDE REGEX "[pP]cl")
+endif()
 list(SORT expected)
 if(NOT installed STREQUAL expected)
   list(JOIN installed "\n  " text)
@@ -36,6 +42,7 @@ foreach(header ${headers})
       if(NOT EXISTS ${prefix}/include/swept/${CMAKE_MATCH_1})
         message(FATAL_ERROR "${header} includes ${CMAKE_MATCH_1}, which is not installed")
       endif()
+    elseif(header MATCHES "/pcl/" AND line MATCHES "<pcl/[a-z_]+\\.h>")
     elseif(NOT line MATCHES "<([a-z_]+|Eigen/[A-Za-z]+)>")
       message(FATAL_ERROR "${header} includes neither the standard library nor Eigen: ${line}")
     endif()
@@ -43,7 +50,7 @@ foreach(header ${headers})
 endforeach()
 
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/consumer -G ${GENERATOR}
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${CONFIG}
+    -DWITH_PCL=${WITH_PCL} -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${CONFIG}
     "-DCMAKE_EXE_LINKER_FLAGS=${LINK_FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/consumer --config ${CONFIG})
 find_program(consumer consumer PATHS ${WORK}/consumer ${WORK}/consumer/${CONFIG} NO_DEFAULT_PATH REQUIRED)

@@ -51,7 +51,13 @@ if(SWEPT_PLOTLY)
 else()
   swept_fetch_plotly(swept_plotly swept_no_plotly)
   if(NOT swept_plotly)
-    message(WARNING "Reports will have no plots: ${swept_no_plotly}. -DSWEPT_PLOTLY=plotly-basic.min.js gives the "
-                    "library by hand.")
+    # Without npm it is a choice, and the report says it too.
+    if(SWEPT_NPM)
+      set(level WARNING)
+    else()
+      set(level STATUS)
+    endif()
+    message(${level} "Reports will have no plots: ${swept_no_plotly}. -DSWEPT_PLOTLY=plotly-basic.min.js gives the "
+                     "library by hand.")
   endif()
 endif()

@@ -8,7 +8,7 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
-#include "abuffer/supersample.h"
+#include "abuffer/sampled.h"
 #include "tools/gpu_method.h"
 #include "tools/study/raycast.h"
 
@@ -77,13 +77,20 @@ const std::vector<StudyMethod>& study_methods() {
        "stills",
        {4, 8, 16, 32, 64, 128},
        {4, 16}},
-      {"cpu-still",
-       "Still frames averaged, CPU",
-       "Temporal supersampling with the A-buffer's own fast path for what does not move.",
-       "still",
-       "stills",
+      {"sampled",
+       "Sampled engine, instants given",
+       "The mean of still images at this many instants, a cell of the film at a time.",
+       "instant",
+       "instants",
        {4, 8, 16, 32, 64, 128},
        {4, 16, 64}},
+      {"sampled-error",
+       "Sampled engine, error given",
+       "The same with as many instants in each cell as an error of this many dB is expected to take.",
+       "dB",
+       "dB",
+       {45, 60, 75},
+       {45, 60, 75}},
       {"raycast",
        "Stochastic ray casting",
        "Rays at random times within strata of the exposure, through the same discs, by Embree.",
@@ -133,9 +140,15 @@ Result<Renderer> renderer_of(const Setting& setting, const MethodOptions& option
   if (setting.method == "abuffer-pixel") return abuffer(Normalisation::pixel, options);
   if (setting.method == "gpu") return gpu(false, value, options);
   if (setting.method == "gpu-still") return gpu(true, value, options);
-  if (setting.method == "cpu-still") {
-    const SupersampleOptions stills{value, options.threads};
-    return Renderer([=](const Scene& scene) { return render_supersampled(scene, stills); });
+  if (setting.method == "sampled" || setting.method == "sampled-error") {
+    SampledOptions sampled;
+    if (setting.method == "sampled")
+      sampled.samples = value;
+    else
+      sampled.max_error_db = value;
+    RenderControl control;
+    control.threads = options.threads;
+    return Renderer([=](const Scene& scene) { return render_sampled(scene, sampled, control); });
   }
   if (setting.method == "raycast") {
     RaycastOptions rays;

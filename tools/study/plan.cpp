@@ -97,10 +97,10 @@ class Planner {
   }
 
   [[nodiscard]] std::vector<Setting> settings_of_sweeps() const {
-    std::vector<Setting> settings = {{"abuffer", 0}, {"gpu", 4}, {"cpu-still", 16}, {"raycast", 16}};
+    std::vector<Setting> settings = {{"abuffer", 0}, {"gpu", 4}, {"sampled", 16}, {"raycast", 16}};
     if (!options_.quick)
       settings.insert(settings.end(),
-                      {{"abuffer-pixel", 0}, {"gpu", 1}, {"gpu", 16}, {"gpu-still", 16}, {"cpu-still", 64}});
+                      {{"abuffer-pixel", 0}, {"gpu", 1}, {"gpu", 16}, {"gpu-still", 16}, {"sampled", 64}});
     std::erase_if(settings, [&](const Setting& setting) { return !has_method(setting.method); });
     return settings;
   }

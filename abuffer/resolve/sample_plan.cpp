@@ -1,0 +1,69 @@
+#include "abuffer/resolve/sample_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swept {
+
+int first_instants(float motion_px, double max_error_db) {
+  if (!(motion_px > 0.0f)) return 1;
+  const double rate = 0.35 * std::pow(10.0, (max_error_db - 60.0) / 40.0);
+  const double wanted = std::max(2.0, rate * double{motion_px});
+  // 2, 3, 4, 6, 8, 12, …
+  int count = 2;
+  while (count < wanted && count < (1 << 20)) {
+    const int next = (count & (count - 1)) == 0 ? count + count / 2 : (count / 3) * 4;
+    if (wanted < 0.5 * (count + next)) break;
+    count = next;
+  }
+  return count;
+}
+
+float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets) {
+  double squares = 0.0, count = 0.0;
+  for (const PacketRef packet : packets) {
+    const double motion = double{bins.motion_px(packet)};
+    if (motion == 0.0) continue;
+    squares += motion * motion;
+    count += 1.0;
+  }
+  return count > 0.0 ? static_cast<float>(std::sqrt(squares / count)) : 0.0f;
+}
+
+InstantWeights estimating_weights(int i, int count) {
+  const auto alternating = [](int k, int of) {
+    return (k % 2 == 0 ? 1.0f : -1.0f) * (k == 0 || k == of - 1 ? 0.5f : 1.0f);
+  };
+  InstantWeights weights;
+  weights.alternating = alternating(i, count);
+  (i % 2 == 0 ? weights.even : weights.odd) = alternating(i / 2, i % 2 == 0 ? (count + 1) / 2 : count / 2);
+  return weights;
+}
+
+ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count) {
+  const double scale = 1.0 / (double{1.0} * count * count);
+  alternating_ = squares.alternating * scale;
+  grey_ = squares.grey * scale;
+  // Fewer instants than this show no second frequency: at 1/N the error is half of what they show.
+  constexpr int least = 4;
+  extrapolate(count < least || squares.quarter == 0.0 ? 0.25 : 0.5 * squares.grey / squares.quarter);
+}
+
+void ErrorEstimate::refine(const SampledCell::Squares& squares, int count) {
+  const double before = grey_, scale = 1.0 / (double{1.0} * count * count);
+  alternating_ = squares.alternating * scale;
+  grey_ = squares.grey * scale;
+  extrapolate(before > 0.0 ? grey_ / before : 0.25);
+}
+
+/// `falls_by`: F²(N/2) over F²(N/4).
+void ErrorEstimate::extrapolate(double falls_by) {
+  // Of a jump all multiples of N count, Σ1/k² = π²/6, where the sums see the odd ones of N/2 and N/4, π²/8
+  // each.
+  constexpr double multiples = 4.0 / 3.0;
+  // What is smooth falls fast until edges lead, which fall by 4; nothing seen so far tells when.
+  constexpr double least_fall = 0.15;
+  squares_ = multiples * alternating_ * std::clamp(falls_by, least_fall, 1.0);
+}
+
+}  // namespace swept

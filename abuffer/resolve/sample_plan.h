@@ -1,0 +1,45 @@
+// At how many instants a cell is looked at, and when that is enough.
+//
+// Source: model section 12. Where a pixel's signal is smooth the midpoint rule converges faster than any
+// power until there is about one instant per pixel of motion; from there silhouettes lead, at 1/N.
+#pragma once
+
+#include <span>
+
+#include "abuffer/resolve/sampled_cell.h"
+#include "abuffer/tiles/cells.h"
+
+namespace swept {
+
+/// Instants a cell begins with, of a ladder of numbers, for motion across it and the frame's error in dB.
+[[nodiscard]] int first_instants(float motion_px, double max_error_db);
+
+/// Motion that stands for all of a cell's.
+[[nodiscard]] float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets);
+
+/// Of the i-th of so many midpoints. Half weight at the ends leaves out of the alternating sums that the
+/// signal does not end as it began, which the midpoint rule does not mind.
+[[nodiscard]] InstantWeights estimating_weights(int i, int count);
+
+/// What a cell of N instants is off by.
+///
+/// The midpoint rule takes the signal's frequencies N, 2N, … for its mean. The alternating sums show the
+/// frequency N/2, those of every other instant N/4; what falls from there to there falls at least as much
+/// again to N. With amplitudes F the alternating sums are √2 F(N/2) in the mean over phases, the others
+/// F(N/4), and the error √2 F(N).
+class ErrorEstimate {
+ public:
+  ErrorEstimate(const SampledCell::Squares& squares, int count);
+  /// After the instants were doubled to `count`, and the alternating sums with them.
+  void refine(const SampledCell::Squares& squares, int count);
+
+  /// Expected, Σ over pixels and R, G, B.
+  [[nodiscard]] double squares() const { return squares_; }
+
+ private:
+  void extrapolate(double falls_by);
+
+  double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0;
+};
+
+}  // namespace swept

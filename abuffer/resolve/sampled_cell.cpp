@@ -1,0 +1,404 @@
+#include "abuffer/resolve/sampled_cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "splat/interval/composite.h"
+
+namespace swept {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t general_flag = 1u << 31;
+
+/// Instants that are added up as floats before they join the doubles: their roundings stay near 10⁻⁷.
+constexpr int instants_a_flush = 32;
+
+/// Packets between two looks at how far one can see.
+constexpr std::size_t packets_a_look = 8;
+
+/// Fragments behind front surfaces that are held at once, unless a single row has more.
+constexpr std::size_t most_behind = std::size_t{1} << 22;
+
+/// Surfaces of a pixel that are picked one by one before what is left is sorted.
+constexpr int picked_layers = 6;
+
+/// Most that one packet can show in a cell.
+constexpr std::size_t packet_fragments = static_cast<std::size_t>(packet_size) * cell_floats;
+
+}  // namespace
+
+SampledCell::SampledCell(const Scene& scene, const std::vector<PointPackets>& objects,
+                         const SampledMath& math)
+    : scene_(scene),
+      objects_(objects),
+      math_(math),
+      rule_{static_cast<float>(scene.model.delta), static_cast<float>(scene.model.edge_weight),
+            static_cast<float>(scene.camera.near), scene.model.coverage == Coverage::hard},
+      background_{scene.background[0], scene.background[1], scene.background[2]},
+      buffers_(std::make_unique<CellBuffers>()),
+      sums_(std::make_unique<CellSums>()) {
+  total_.rgba.resize(4 * cell_px * cell_px);
+  total_.depth.resize(cell_px * cell_px);
+}
+
+void SampledCell::begin(const Cell& cell, std::span<const PacketRef> packets) {
+  cell_ = cell;
+  packets_ = packets;
+  *sums_ = {};
+  unflushed_ = 0;
+  flushed_ = false;
+}
+
+void SampledCell::select(std::span<const ObjectInstant> instants) {
+  visible_.clear();
+  general_.clear();
+  for (const PacketRef ref : packets_) {
+    const ObjectInstant& at = instants[ref.object];
+    const PointPackets& object = objects_[ref.object];
+    Visible v;
+    v.ref = ref;
+    v.center = at.center(object, ref.packet);
+    v.bounds = at.bounds(v.center, double{object.radius[ref.packet]});
+    if (v.bounds.empty() || v.bounds.x_max < cell_.x || v.bounds.x_min > cell_.x + cell_.width ||
+        v.bounds.y_max < cell_.y || v.bounds.y_min > cell_.y + cell_.height)
+      continue;
+    const auto patch = [](double px) {
+      return static_cast<int>(std::clamp(px, 0.0, cell_px - 1.0)) / patch_px;
+    };
+    v.patch_x_first = patch(v.bounds.x_min - cell_.x);
+    v.patch_x_last = patch(v.bounds.x_max - cell_.x);
+    v.patch_y_first = patch(v.bounds.y_min - cell_.y);
+    v.patch_y_last = patch(v.bounds.y_max - cell_.y);
+    visible_.push_back(v);
+  }
+  if (placed_.size() < visible_.size()) placed_.resize(std::max(visible_.size(), 2 * placed_.size()));
+  nearest_first_.resize(visible_.size());
+  std::iota(nearest_first_.begin(), nearest_first_.end(), 0u);
+  std::sort(nearest_first_.begin(), nearest_first_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return visible_[a].bounds.nearest < visible_[b].bounds.nearest;
+  });
+}
+
+bool SampledCell::hidden(const Visible& v) const {
+  const auto nearest = static_cast<float>(v.bounds.nearest * (1.0 - 1e-6));
+  for (int y = v.patch_y_first; y <= v.patch_y_last; ++y)
+    for (int x = v.patch_x_first; x <= v.patch_x_last; ++x)
+      if (nearest <= buffers_->patch_limit[y * cell_patches + x]) return false;
+  return true;
+}
+
+bool SampledCell::lit(const Visible& v) const {
+  for (int y = v.patch_y_first; y <= v.patch_y_last; ++y)
+    for (int x = v.patch_x_first; x <= v.patch_x_last; ++x)
+      if (buffers_->patch_leaks[y * cell_patches + x]) return true;
+  return false;
+}
+
+void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) {
+  Visible& v = visible_[i];
+  PlacedPacket& placed = placed_[i];
+  const PointPackets& object = objects_[v.ref.object];
+  const ObjectInstant& at = instants[v.ref.object];
+  const std::size_t p = v.ref.packet;
+  v.placed = true;
+  v.general_begin = v.general_end = general_.size();
+  if (v.center.z() > 0.0) {
+    math_.place(object.at(p, at.pose, static_cast<float>(at.blend)), at.place, at.on_film(v.center), placed);
+  } else {
+    placed.seen = 0;
+    placed.general = object.lanes[p];
+  }
+  const float* colors = object.colors.data() + 4 * p * packet_size;
+  for (int lane = 0; lane < packet_size; ++lane) {
+    placed.red[lane] = colors[lane];
+    placed.green[lane] = colors[packet_size + lane];
+    placed.blue[lane] = colors[2 * packet_size + lane];
+    placed.alpha[lane] = colors[3 * packet_size + lane];
+  }
+  for (std::uint32_t lanes = placed.general; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(lanes));
+    const auto disc = GeneralDisc::make(scene_, *object.object, at, object.points[p * packet_size + lane]);
+    if (!disc || disc->x_begin >= cell_.x + cell_.width || disc->x_end <= cell_.x ||
+        disc->y_begin >= cell_.y + cell_.height || disc->y_end <= cell_.y)
+      continue;
+    general_.push_back(*disc);
+    ++counters.general_discs;
+  }
+  v.general_end = general_.size();
+}
+
+namespace {
+
+/// Calls visit(index into the cell's arrays, fragment) for the pixels of the cell that the disc covers.
+template <class Visit>
+void for_each_fragment(const GeneralDisc& disc, const Cell& cell, const Visit& visit) {
+  for (int y = std::max(disc.y_begin, cell.y); y < std::min(disc.y_end, cell.y + cell.height); ++y)
+    for (int x = std::max(disc.x_begin, cell.x); x < std::min(disc.x_end, cell.x + cell.width); ++x)
+      if (const auto fragment = disc.meet(x, y)) visit((y - cell.y) * cell_pitch + (x - cell.x), *fragment);
+}
+
+}  // namespace
+
+void SampledCell::bring_general_to_front(const GeneralDisc& disc) {
+  for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
+    const float reached = f.depth + disc.tolerance;
+    if (f.depth < buffers_->front[i]) {
+      buffers_->front[i] = f.depth;
+      buffers_->limit[i] = reached;
+    } else if (f.depth == buffers_->front[i]) {
+      buffers_->limit[i] = std::max(buffers_->limit[i], reached);
+    }
+  });
+}
+
+void SampledCell::add_general_to_front(const GeneralDisc& disc) {
+  for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
+    if (!(f.depth <= buffers_->limit[i])) return;
+    buffers_->weight[i] += f.weight;
+    buffers_->red[i] += f.weight * disc.rgba[0];
+    buffers_->green[i] += f.weight * disc.rgba[1];
+    buffers_->blue[i] += f.weight * disc.rgba[2];
+    buffers_->alpha[i] += f.weight * disc.rgba[3];
+    buffers_->depth[i] += f.weight * f.depth;
+  });
+}
+
+void SampledCell::find_general_behind(const GeneralDisc& disc, std::uint32_t index) {
+  for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
+    if (buffers_->behind[i] < f.depth)
+      behind_[behind_count_++] = {f.depth, f.weight, general_flag | index, static_cast<std::uint32_t>(i)};
+  });
+}
+
+void SampledCell::add(std::span<const ObjectInstant> instants, const InstantWeights& weights) {
+  ++counters.instants;
+  select(instants);
+  counters.packets += visible_.size();
+  CellBuffers& cell = *buffers_;
+  math_.clear(cell, cell_.height);
+  std::size_t since_look = 0;
+  for (const std::uint32_t i : nearest_first_) {
+    if (since_look == packets_a_look) {
+      math_.measure_patches(cell, cell_.height);
+      since_look = 0;
+    }
+    if (hidden(visible_[i])) continue;
+    ++since_look;
+    place(i, instants);
+    const PlacedPacket& placed = placed_[i];
+    math_.bring_to_front(placed, placed.seen, cell_.x, cell_.y, cell_.width, cell_.height, rule_, cell);
+    for (std::size_t g = visible_[i].general_begin; g < visible_[i].general_end; ++g)
+      bring_general_to_front(general_[g]);
+  }
+  math_.measure_patches(cell, cell_.height);
+  for (std::size_t i = 0; i < visible_.size(); ++i) {
+    const Visible& v = visible_[i];
+    if (!v.placed || hidden(v)) {
+      ++counters.packets_hidden;
+      continue;
+    }
+    const PlacedPacket& placed = placed_[i];
+    math_.add_to_front(placed, placed.seen, cell_.x, cell_.y, cell_.width, cell_.height, rule_, cell);
+    for (std::size_t g = v.general_begin; g < v.general_end; ++g) add_general_to_front(general_[g]);
+  }
+  if (math_.shade_front(rule_, cell, cell_.height)) shade_behind(instants, 0, cell_.height);
+  math_.add_instant(cell, weights, background_, *sums_, cell_.height);
+  if (++unflushed_ == instants_a_flush) flush();
+}
+
+/// Appends what lies behind, in the order of the points. Returns false where that becomes too much to hold.
+bool SampledCell::gather_behind(std::span<const ObjectInstant> instants, bool may_give_up) {
+  behind_count_ = 0;
+  for (std::size_t i = 0; i < visible_.size(); ++i) {
+    if (!lit(visible_[i])) continue;
+    if (!visible_[i].placed) place(i, instants);
+    const PlacedPacket& placed = placed_[i];
+    const Visible& v = visible_[i];
+    const std::size_t room =
+        behind_count_ + packet_fragments + (v.general_end - v.general_begin) * cell_floats;
+    if (behind_.size() < room) behind_.resize(std::max(room, behind_.size() + behind_.size() / 2));
+    behind_count_ +=
+        math_.find_behind(placed, placed.seen, static_cast<std::uint32_t>(i * packet_size), cell_.x, cell_.y,
+                          cell_.width, cell_.height, rule_, *buffers_, behind_.data() + behind_count_);
+    for (std::size_t g = v.general_begin; g < v.general_end; ++g)
+      find_general_behind(general_[g], static_cast<std::uint32_t>(g));
+    if (may_give_up && behind_count_ > most_behind) return false;
+  }
+  return true;
+}
+
+/// Of rows [y_begin, y_end), by halves where they hold too much.
+void SampledCell::shade_behind(std::span<const ObjectInstant> instants, int y_begin, int y_end) {
+  if (y_end - y_begin < cell_.height) {
+    float* const behind = buffers_->behind;
+    std::fill(behind, behind + cell_floats, infinity);
+    std::copy(behind_limits_.begin() + y_begin * cell_pitch, behind_limits_.begin() + y_end * cell_pitch,
+              behind + y_begin * cell_pitch);
+  }
+  if (!gather_behind(instants, y_end - y_begin > 1)) {
+    if (y_end - y_begin == cell_.height)
+      behind_limits_.assign(buffers_->behind, buffers_->behind + cell_floats);
+    const int middle = (y_begin + y_end) / 2;
+    shade_behind(instants, y_begin, middle);
+    shade_behind(instants, middle, y_end);
+    return;
+  }
+  counters.fragments_behind += behind_count_;
+
+  // A stable counting sort: within a pixel fragments keep the order of the points.
+  starts_.assign(cell_floats + 1, 0);
+  for (std::size_t i = 0; i < behind_count_; ++i) ++starts_[behind_[i].pixel + 1];
+  for (std::size_t p = 0; p < cell_floats; ++p) starts_[p + 1] += starts_[p];
+  sorted_.resize(behind_count_);
+  for (std::size_t i = 0; i < behind_count_; ++i)
+    sorted_[starts_[behind_[i].pixel]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t begin = 0; begin < behind_count_;) {
+    const std::uint32_t pixel = behind_[sorted_[begin]].pixel;
+    const std::size_t end = starts_[pixel];
+    // What blocks find beyond the cell's own pixels is not seen.
+    const int x = static_cast<int>(pixel) % cell_pitch, y = static_cast<int>(pixel) / cell_pitch;
+    if (x < cell_.width && y < cell_.height) shade_layers(begin, end);
+    begin = end;
+  }
+}
+
+float SampledCell::tolerance_of(std::uint32_t disc) const {
+  return disc & general_flag ? general_[disc & ~general_flag].tolerance
+                             : placed_[disc / packet_size].tolerance[disc % packet_size];
+}
+
+const float* SampledCell::color_of(std::uint32_t disc, float (&rgba)[4]) const {
+  if (disc & general_flag) return general_[disc & ~general_flag].rgba;
+  const PlacedPacket& placed = placed_[disc / packet_size];
+  const std::uint32_t lane = disc % packet_size;
+  rgba[0] = placed.red[lane], rgba[1] = placed.green[lane], rgba[2] = placed.blue[lane],
+  rgba[3] = placed.alpha[lane];
+  return rgba;
+}
+
+void SampledCell::add_to_layer(const Layer& fragment, LayerSum& sum) const {
+  float own[4];
+  const float* rgba = color_of(fragment.disc, own);
+  sum.weight += fragment.weight;
+  for (int c = 0; c < 4; ++c) sum.rgba[c] += fragment.weight * rgba[c];
+  sum.depth += fragment.weight * fragment.depth;
+}
+
+void SampledCell::shade_layer(const LayerSum& sum, std::uint32_t pixel, float& through) {
+  if (!(sum.weight >= std::numeric_limits<float>::min())) return;
+  const float divisor = rule_.hard || sum.weight >= rule_.edge_weight ? sum.weight : rule_.edge_weight;
+  const float inverse = 1.0f / divisor, alpha = std::min(sum.rgba[3] / divisor, 1.0f);
+  buffers_->red[pixel] += through * (sum.rgba[0] * inverse);
+  buffers_->green[pixel] += through * (sum.rgba[1] * inverse);
+  buffers_->blue[pixel] += through * (sum.rgba[2] * inverse);
+  buffers_->alpha[pixel] += through * alpha;
+  buffers_->depth[pixel] += through * (alpha * (sum.depth / sum.weight));
+  through *= 1.0f - alpha;
+}
+
+/// The surfaces behind a pixel's front one: the same rule, one after the other, until no light is left.
+void SampledCell::shade_layers(std::size_t begin, std::size_t end) {
+  const std::uint32_t pixel = behind_[sorted_[begin]].pixel;
+  layers_.clear();
+  for (std::size_t i = begin; i < end; ++i) {
+    const FragmentBehind& f = behind_[sorted_[i]];
+    layers_.push_back({f.depth, f.weight, f.disc, static_cast<std::uint32_t>(i)});
+  }
+  float through = buffers_->weight[pixel];
+  // Light rarely gets through many: each of the first few is picked out of what is left, which stays in
+  // order.
+  for (int layer = 0; layer < picked_layers && !layers_.empty() && through > opaque_transmittance; ++layer) {
+    float nearest = infinity, limit = 0.0f;
+    for (const Layer& f : layers_) {
+      if (f.depth > nearest) continue;
+      const float reached = f.depth + tolerance_of(f.disc);
+      limit = f.depth == nearest ? std::max(limit, reached) : reached;
+      nearest = f.depth;
+    }
+    LayerSum sum;
+    std::size_t kept = 0;
+    for (const Layer& f : layers_) {
+      if (f.depth <= limit)
+        add_to_layer(f, sum);
+      else
+        layers_[kept++] = f;
+    }
+    layers_.resize(kept);
+    shade_layer(sum, pixel, through);
+  }
+  if (layers_.empty() || !(through > opaque_transmittance)) return;
+
+  std::sort(layers_.begin(), layers_.end(), [](const Layer& a, const Layer& b) { return a.depth < b.depth; });
+  const auto at = [&](std::size_t i) { return layers_.begin() + static_cast<std::ptrdiff_t>(i); };
+  for (std::size_t first = 0; first < layers_.size() && through > opaque_transmittance;) {
+    float limit = layers_[first].depth + tolerance_of(layers_[first].disc);
+    std::size_t last = first + 1;
+    for (; last < layers_.size() && layers_[last].depth == layers_[first].depth; ++last)
+      limit = std::max(limit, layers_[last].depth + tolerance_of(layers_[last].disc));
+    while (last < layers_.size() && layers_[last].depth <= limit) ++last;
+    std::sort(at(first), at(last), [](const Layer& a, const Layer& b) { return a.order < b.order; });
+    LayerSum sum;
+    for (std::size_t i = first; i < last; ++i) add_to_layer(layers_[i], sum);
+    shade_layer(sum, pixel, through);
+    first = last;
+  }
+}
+
+void SampledCell::flush() {
+  if (!flushed_) {
+    std::fill(total_.rgba.begin(), total_.rgba.end(), 0.0);
+    std::fill(total_.depth.begin(), total_.depth.end(), 0.0);
+    flushed_ = true;
+  }
+  for (int y = 0; y < cell_.height; ++y)
+    for (int x = 0; x < cell_.width; ++x) {
+      const int from = y * cell_pitch + x;
+      const auto to = static_cast<std::size_t>(y * cell_px + x);
+      const float* colors[4] = {sums_->red, sums_->green, sums_->blue, sums_->alpha};
+      for (std::size_t c = 0; c < 4; ++c) total_.rgba[4 * to + c] += double{colors[c][from]};
+      total_.depth[to] += double{sums_->depth[from]};
+    }
+  for (float* sum : {sums_->red, sums_->green, sums_->blue, sums_->alpha, sums_->depth})
+    std::fill(sum, sum + cell_floats, 0.0f);
+  unflushed_ = 0;
+}
+
+SampledCell::Squares SampledCell::squares() const {
+  Squares squares;
+  for (int y = 0; y < cell_.height; ++y)
+    for (int x = 0; x < cell_.width; ++x) {
+      const int i = y * cell_pitch + x;
+      const double red = double{sums_->alternating_red[i]}, green = double{sums_->alternating_green[i]},
+                   blue = double{sums_->alternating_blue[i]};
+      const double even = double{sums_->even[i]}, odd = double{sums_->odd[i]};
+      squares.alternating += red * red + green * green + blue * blue;
+      squares.grey += (red + green + blue) * (red + green + blue);
+      squares.quarter += even * even + odd * odd;
+    }
+  return squares;
+}
+
+void SampledCell::alternate_from_sums(double weight) {
+  flush();
+  float* const sums[3] = {sums_->alternating_red, sums_->alternating_green, sums_->alternating_blue};
+  for (int y = 0; y < cell_.height; ++y)
+    for (int x = 0; x < cell_.width; ++x) {
+      const double* rgba = &total_.rgba[4 * static_cast<std::size_t>(y * cell_px + x)];
+      for (std::size_t c = 0; c < 3; ++c)
+        sums[c][y * cell_pitch + x] =
+            static_cast<float>(rgba[c] + (weight - rgba[3]) * double{background_[c]});
+    }
+}
+
+void SampledCell::image(double total, CellImage& out) {
+  flush();
+  out.rgba.resize(total_.rgba.size());
+  out.depth.resize(total_.depth.size());
+  for (std::size_t i = 0; i < total_.rgba.size(); ++i) out.rgba[i] = total_.rgba[i] / total;
+  for (std::size_t i = 0; i < total_.depth.size(); ++i) out.depth[i] = total_.depth[i] / total;
+}
+
+}  // namespace swept

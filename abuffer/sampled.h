@@ -1,0 +1,40 @@
+// The time-sampled engine: the mean of still images at instants of the exposure, as many in each cell of the
+// film as the error asked for takes. Source: model section 12.
+#pragma once
+
+#include "splat/render_control.h"
+#include "splat/rendered.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct SampledOptions {
+  /// Instants in every cell in which something moves, at the midpoints of so many strata of the exposure; [1,
+  /// 2²⁰]. 0: as many as `max_error_db` takes, cell by cell.
+  int samples = 0;
+  /// PSNR that the frame is to reach, dB for peak 1; (0, 150]. Met as far as the estimate sees.
+  double max_error_db = 60.0;
+  /// The same for every cell of 64 × 64 px by itself, besides; 0: not asked for. [0, 150]
+  double max_cell_error_db = 0.0;
+  /// Implementation of sampled_math.h to use, 0 being the plain loops that define the others; −1: the widest.
+  /// Changes no bit.
+  int implementation = -1;
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// Renders the scene's film window: points are where their true path has them at each instant, and the
+/// scene's segments are not used. The result is the same, bit for bit, for any thread count and order of the
+/// scene's points, for every instruction set, and a crop equals those pixels of the whole frame. What does
+/// not move takes a single instant.
+///
+/// Statistics: "instants" cells × instants, "instants_per_pixel" their mean over the film's window,
+/// "most_instants" in any cell, and with max_error_db "expected_rmse" and "expected_psnr_db" of the window,
+/// estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
+///
+/// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
+[[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},
+                                              const RenderControl& control = {});
+
+}  // namespace swept

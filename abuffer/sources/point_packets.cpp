@@ -1,0 +1,288 @@
+#include "abuffer/sources/point_packets.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "abuffer/parallel.h"
+
+namespace swept {
+namespace {
+
+/// Frames at which the exposure has to know the points: its ends, and the keys between.
+std::vector<double> pose_frames(const SurfelCloud& cloud, const Exposure& exposure) {
+  std::vector<double> frames{exposure.open};
+  if (!cloud.moves() || exposure.instant()) return frames;
+  for (const SurfelKey& key : cloud.keys)
+    if (key.frame > exposure.open && key.frame < exposure.close) frames.push_back(key.frame);
+  frames.push_back(exposure.close);
+  return frames;
+}
+
+/// Place along the Hilbert curve through a cube of 1024³ cells, which never jumps: neighbours along it are
+/// neighbours in space. Source: Skilling, Programming the Hilbert curve (2004).
+std::uint32_t along_hilbert_curve(std::array<std::uint32_t, 3> x) {
+  constexpr std::uint32_t top = 1u << 9;
+  for (std::uint32_t q = top; q > 1; q >>= 1) {
+    const std::uint32_t below = q - 1;
+    for (int i = 0; i < 3; ++i) {
+      if (x[i] & q) {
+        x[0] ^= below;
+      } else {
+        const std::uint32_t swapped = (x[0] ^ x[i]) & below;
+        x[0] ^= swapped;
+        x[i] ^= swapped;
+      }
+    }
+  }
+  x[1] ^= x[0];
+  x[2] ^= x[1];
+  std::uint32_t turned = 0;
+  for (std::uint32_t q = top; q > 1; q >>= 1)
+    if (x[2] & q) turned ^= q - 1;
+  std::uint32_t place = 0;
+  for (int bit = 9; bit >= 0; --bit)
+    for (int i = 0; i < 3; ++i) place = place << 1 | ((x[i] ^ turned) >> bit & 1u);
+  return place;
+}
+
+/// Everything that tells one point from another.
+class Content {
+ public:
+  Content(const SurfelCloud& cloud, const std::vector<double>& frames) : cloud_(cloud), frames_(frames) {}
+
+  [[nodiscard]] bool less(std::size_t a, std::size_t b) const {
+    for (const double frame : frames_) {
+      const SurfelInstant s = surfel_at(cloud_, a, frame), t = surfel_at(cloud_, b, frame);
+      for (const auto& [v, w] : {std::pair(&s.position, &t.position), std::pair(&s.axis_u, &t.axis_u),
+                                 std::pair(&s.axis_v, &t.axis_v)})
+        for (int i = 0; i < 3; ++i)
+          if ((*v)[i] != (*w)[i]) return (*v)[i] < (*w)[i];
+    }
+    if (!cloud_.color.empty())
+      for (int i = 0; i < 3; ++i)
+        if (cloud_.color[a][i] != cloud_.color[b][i]) return cloud_.color[a][i] < cloud_.color[b][i];
+    return !cloud_.opacity.empty() && cloud_.opacity[a] < cloud_.opacity[b];
+  }
+
+  [[nodiscard]] std::uint64_t hash(std::size_t i) const {
+    std::uint64_t hash = 0x9e3779b97f4a7c15ULL;
+    const auto mix = [&](double value) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0xbf58476d1ce4e5b9ULL;
+      hash ^= hash >> 29;
+    };
+    for (const double frame : frames_) {
+      const SurfelInstant s = surfel_at(cloud_, i, frame);
+      for (const Eigen::Vector3d* v : {&s.position, &s.axis_u, &s.axis_v})
+        for (int k = 0; k < 3; ++k) mix((*v)[k]);
+    }
+    if (!cloud_.color.empty())
+      for (int k = 0; k < 3; ++k) mix(double{cloud_.color[i][k]});
+    if (!cloud_.opacity.empty()) mix(double{cloud_.opacity[i]});
+    return hash;
+  }
+
+ private:
+  const SurfelCloud& cloud_;
+  const std::vector<double>& frames_;
+};
+
+/// Least significant digit first, in three digits of 10 bits: the upper halves decide, equal ones keep their
+/// order.
+void sort_by_upper_half(std::vector<std::uint64_t>& entries) {
+  constexpr std::size_t digits = 1024;
+  std::vector<std::uint64_t> other(entries.size());
+  for (int shift = 32; shift < 62; shift += 10) {
+    std::array<std::size_t, digits + 1> starts{};
+    for (const std::uint64_t entry : entries) ++starts[((entry >> shift) & (digits - 1)) + 1];
+    for (std::size_t d = 0; d < digits; ++d) starts[d + 1] += starts[d];
+    for (const std::uint64_t entry : entries) other[starts[(entry >> shift) & (digits - 1)]++] = entry;
+    entries.swap(other);
+  }
+}
+
+/// Points along a space-filling curve; those in one cell of it by content.
+std::vector<std::uint32_t> content_order(const SurfelCloud& cloud, const std::vector<double>& frames) {
+  const std::size_t count = cloud.size();
+  const double frame = frames.front();
+  std::vector<Eigen::Vector3d> at(count);
+  parallel_for_each_index(count, [&](std::size_t i) { at[i] = surfel_at(cloud, i, frame).position; });
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Eigen::Vector3d& p : at) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  // Halves, and a quotient of differences: neither overflows.
+  const Eigen::Vector3d range = 0.5 * high - 0.5 * low;
+  const double widest = range.maxCoeff();
+  std::vector<std::uint64_t> entries(count);
+  parallel_for_each_index(count, [&](std::size_t i) {
+    std::array<std::uint32_t, 3> cell{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double place = widest > 0.0 ? (0.5 * at[i][axis] - 0.5 * low[axis]) / widest : 0.0;
+      cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(place * 1023.0);
+    }
+    entries[i] = std::uint64_t{along_hilbert_curve(cell)} << 32 | i;
+  });
+  sort_by_upper_half(entries);
+  const Content content(cloud, frames);
+  for (std::size_t first = 0; first < count;) {
+    std::size_t last = first + 1;
+    while (last < count && entries[last] >> 32 == entries[first] >> 32) ++last;
+    if (last - first > 1)
+      std::sort(entries.begin() + static_cast<std::ptrdiff_t>(first),
+                entries.begin() + static_cast<std::ptrdiff_t>(last), [&](std::uint64_t a, std::uint64_t b) {
+                  return content.less(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+                });
+    first = last;
+  }
+  std::vector<std::uint32_t> order(count);
+  for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::uint32_t>(entries[i]);
+  return order;
+}
+
+void pack_positions(const SurfelCloud& cloud, PointPackets& packets) {
+  const std::size_t padded = packets.count * packet_size;
+  for (const double frame : packets.frames) {
+    std::vector<Eigen::Vector3d>& origins = packets.origins.emplace_back(packets.count);
+    std::vector<float>& offsets = packets.offsets.emplace_back(3 * padded);
+    parallel_for_each_index(packets.count, [&](std::size_t p) {
+      const std::uint32_t* points = packets.points.data() + p * packet_size;
+      std::array<Eigen::Vector3d, packet_size> at;
+      Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+      for (int lane = 0; lane < packet_size; ++lane) {
+        at[lane] = surfel_at(cloud, points[lane], frame).position;
+        low = low.cwiseMin(at[lane]);
+        high = high.cwiseMax(at[lane]);
+      }
+      origins[p] = low + (0.5 * high - 0.5 * low);
+      for (int lane = 0; lane < packet_size; ++lane) {
+        const Eigen::Vector3d offset = at[lane] - origins[p];
+        for (int i = 0; i < 3; ++i)
+          offsets[(3 * p + static_cast<std::size_t>(i)) * packet_size + static_cast<std::size_t>(lane)] =
+              static_cast<float>(offset[i]);
+      }
+    });
+  }
+}
+
+void pack_axes(const SurfelCloud& cloud, PointPackets& packets) {
+  for (const double frame : packets.frames) {
+    // Velocities do not turn discs.
+    if (!packets.axes.empty() && cloud.keys.size() == 1) break;
+    std::vector<float>& axes = packets.axes.emplace_back(6 * packets.count * packet_size);
+    parallel_for_each_index(packets.count, [&](std::size_t p) {
+      for (int lane = 0; lane < packet_size; ++lane) {
+        const SurfelInstant s =
+            surfel_at(cloud, packets.points[p * packet_size + static_cast<std::size_t>(lane)], frame);
+        for (int i = 0; i < 3; ++i) {
+          float* to = axes.data() + 6 * p * packet_size + lane;
+          to[i * packet_size] = static_cast<float>(s.axis_u[i]);
+          to[(3 + i) * packet_size] = static_cast<float>(s.axis_v[i]);
+        }
+      }
+    });
+  }
+}
+
+void pack_colors(const SurfelCloud& cloud, PointPackets& packets) {
+  packets.colors.resize(4 * packets.count * packet_size);
+  parallel_for_each_index(packets.count, [&](std::size_t p) {
+    for (int lane = 0; lane < packet_size; ++lane) {
+      const std::uint32_t i = packets.points[p * packet_size + static_cast<std::size_t>(lane)];
+      const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+      float* to = packets.colors.data() + 4 * p * packet_size + lane;
+      for (int c = 0; c < 3; ++c)
+        to[c * packet_size] = opacity * (cloud.color.empty() ? 1.0f : cloud.color[i][c]);
+      to[3 * packet_size] = opacity;
+    }
+  });
+  packets.opaque = std::all_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o == 1.0f; });
+}
+
+void bound(PointPackets& packets) {
+  packets.radius.assign(packets.count, 0.0f);
+  parallel_for_each_index(packets.count, [&](std::size_t p) {
+    double largest = 0.0;
+    for (std::size_t pose = 0; pose < packets.frames.size(); ++pose) {
+      const float* offset = packets.offsets[pose].data() + 3 * p * packet_size;
+      const float* axes = packets.axes[packets.axes.size() > 1 ? pose : 0].data() + 6 * p * packet_size;
+      for (int lane = 0; lane < packet_size; ++lane) {
+        double distance = 0.0, size = 0.0;
+        for (int i = 0; i < 3; ++i) distance += std::pow(double{offset[i * packet_size + lane]}, 2.0);
+        for (int i = 0; i < 6; ++i) size += std::pow(double{axes[i * packet_size + lane]}, 2.0);
+        largest = std::max(largest, std::sqrt(distance) + std::sqrt(size));
+      }
+    }
+    packets.radius[p] = static_cast<float>(largest * (1.0 + 1e-6));
+  });
+}
+
+PointPackets pack(const Object& object, const Exposure& exposure) {
+  const SurfelCloud& cloud = object.cloud;
+  PointPackets packets;
+  packets.object = &object;
+  packets.frames = pose_frames(cloud, exposure);
+  const std::vector<std::uint32_t> order = content_order(cloud, packets.frames);
+  packets.count = (cloud.size() + packet_size - 1) / packet_size;
+  packets.points.resize(packets.count * packet_size);
+  packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
+  // The last packet repeats its last point where it has none.
+  for (std::size_t i = 0; i < packets.points.size(); ++i)
+    packets.points[i] = order[std::min(i, order.size() - 1)];
+  if (const std::size_t rest = cloud.size() % packet_size; rest != 0)
+    packets.lanes.back() = (1u << rest) - 1u;
+  pack_positions(cloud, packets);
+  pack_axes(cloud, packets);
+  pack_colors(cloud, packets);
+  bound(packets);
+  return packets;
+}
+
+/// A number that depends on what an object is and not on the order of its points.
+std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure) {
+  const Content content(packets.object->cloud, packets.frames);
+  std::uint64_t sum = packets.object->two_sided ? 1 : 2;
+  for (std::size_t i = 0; i < packets.object->cloud.size(); ++i) sum += content.hash(i);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Eigen::Affine3d world = packets.object->transform.at(exposure.at(share));
+    for (int k = 0; k < 12; ++k)
+      sum = (sum ^ std::bit_cast<std::uint64_t>(world.affine()(k % 3, k / 3))) * 0xbf58476d1ce4e5b9ULL;
+  }
+  return sum;
+}
+
+}  // namespace
+
+PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) const {
+  const bool moves = blend > 0.0f && pose + 1 < frames.size();
+  const auto field = [&](const std::vector<std::vector<float>>& poses, std::size_t fields,
+                         std::size_t which) { return poses[which].data() + fields * p * packet_size; };
+  const bool turns = moves && axes.size() > 1;
+  return {field(offsets, 3, pose),
+          moves ? field(offsets, 3, pose + 1) : nullptr,
+          field(axes, 6, axes.size() > 1 ? pose : 0),
+          turns ? field(axes, 6, pose + 1) : nullptr,
+          blend,
+          lanes[p]};
+}
+
+std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure) {
+  std::vector<PointPackets> objects;
+  for (const Object& object : scene.objects)
+    if (object.cloud.size() > 0) objects.push_back(pack(object, exposure));
+  if (objects.size() < 2) return objects;
+  std::vector<std::uint64_t> hashes(objects.size());
+  parallel_for_each_index(objects.size(),
+                          [&](std::size_t i) { hashes[i] = content_hash(objects[i], exposure); });
+  std::vector<std::size_t> order(objects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return hashes[a] < hashes[b]; });
+  std::vector<PointPackets> sorted;
+  sorted.reserve(objects.size());
+  for (const std::size_t i : order) sorted.push_back(std::move(objects[i]));
+  return sorted;
+}
+
+}  // namespace swept

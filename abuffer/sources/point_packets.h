@@ -1,0 +1,41 @@
+// The points of one object in packets of sixteen neighbours, as the sampled engine reads them.
+//
+// Coordinates are floats from an origin of the packet's own, which is a double: survey coordinates keep their
+// digits. The order depends on what the points are, never on the order in which they came.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "abuffer/simd/sampled_math.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+/// Object space. Between two poses points move in straight lines, as SurfelCloud's keys have it.
+struct PointPackets {
+  const Object* object = nullptr;
+  std::size_t count = 0;                              ///< packets
+  std::vector<double> frames;                         ///< of the poses, increasing; one: nothing moves
+  std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
+  std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
+  std::vector<std::vector<float>> axes;               ///< by pose, or of all poses; 6 · 16 a packet
+  std::vector<float> colors;          ///< red, green, blue times opacity, opacity; 4 · 16 a packet
+  std::vector<float> radius;          ///< of the sphere about the origin that holds the discs
+  std::vector<std::uint32_t> lanes;   ///< that hold a point, a bit each
+  std::vector<std::uint32_t> points;  ///< index of each lane in the object's cloud
+  bool opaque = true;
+
+  /// Of packet `p` between poses `pose` and pose + 1.
+  [[nodiscard]] PacketPoints at(std::size_t p, std::size_t pose, float blend) const;
+};
+
+/// Packs every object of `scene` over `exposure`. The objects come in an order that depends on their content,
+/// too; equal ones are interchangeable. Runs in the caller's task arena. `scene` must outlive the result.
+[[nodiscard]] std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure);
+
+}  // namespace swept

@@ -1,0 +1,57 @@
+// The film in cells of 64 × 64 pixels, and which packets of points come by in each.
+//
+// Cells are of the film, not of the crop: what is decided for one does not depend on what else is asked for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "abuffer/sources/object_instant.h"
+#include "abuffer/sources/point_packets.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct Cell {
+  int x = 0, y = 0, width = 0, height = 0;  ///< px of the film
+};
+
+/// A packet of one of the objects.
+struct PacketRef {
+  std::uint32_t object, packet;
+};
+
+class PacketBins {
+ public:
+  /// Follows every packet over the exposure. Runs in the caller's task arena.
+  PacketBins(const Scene& scene, const Exposure& exposure, const std::vector<PointPackets>& objects);
+
+  [[nodiscard]] std::size_t cell_count() const { return starts_.size() - 1; }
+  [[nodiscard]] Cell cell(std::size_t index) const;
+  /// Packets that may touch a cell at any time of the exposure, in the order of the objects and their
+  /// packets.
+  [[nodiscard]] std::span<const PacketRef> packets(std::size_t cell) const {
+    return std::span(entries_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
+  }
+  /// How far a packet's centre moves across the film over the exposure, px; 0 only where it stands still.
+  [[nodiscard]] float motion_px(PacketRef packet) const { return motion_[packet.object][packet.packet]; }
+
+ private:
+  void follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets, std::size_t object);
+
+  Film film_;
+  std::size_t columns_, rows_;
+  std::vector<std::vector<float>> motion_;
+  std::vector<std::size_t> starts_;
+  std::vector<PacketRef> entries_;
+
+  struct Touch {
+    std::uint32_t cell;
+    PacketRef packet;
+  };
+  std::vector<std::vector<Touch>> touched_;  ///< by runs of packets, in order
+};
+
+}  // namespace swept

@@ -1,0 +1,152 @@
+#include "tools/engine_scenes.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "datasets/generators.h"
+
+namespace swept {
+namespace {
+
+constexpr int film_px = 1024;
+constexpr double distance = 4.0, tan_half_fov = 0.364;
+/// At the distance of the objects.
+constexpr double px_per_unit = 0.5 * film_px / tan_half_fov / distance;
+
+Scene stage() {
+  Scene scene;
+  scene.film = {film_px, film_px, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  LookAtKey& key = scene.camera.look_ats.emplace_back();
+  key.eye = {0.0, 0.0, distance};
+  key.tan_half_fov_y = tan_half_fov;
+  return scene;
+}
+
+Object object_of(const std::string& shape, std::size_t points,
+                 const std::map<std::string, double>& parameters) {
+  Object object;
+  auto cloud = generate(shape, points, parameters);
+  if (cloud) object.cloud = std::move(*cloud);
+  return object;
+}
+
+/// In a straight line, by so many pixels in all, through `middle`.
+void move(Object& object, const Eigen::Vector3d& middle, const Eigen::Vector3d& direction, double motion_px) {
+  const Eigen::Vector3d half = direction.normalized() * (0.5 * motion_px / px_per_unit);
+  object.transform.keys.resize(2);
+  object.transform.keys[0].translate = middle - half;
+  object.transform.keys[1].frame = 1.0;
+  object.transform.keys[1].translate = middle + half;
+}
+
+Scene sphere(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  Object object = object_of("sphere", points, {{"sectors", 24}, {"rings", 12}});
+  move(object, {0, 0, 0}, {1.0, 0.3, 0.0}, motion_px);
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+Scene knot(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  Object object = object_of("knot", points, {});
+  move(object, {0, 0, 0}, {1.0, 0.5, 0.2}, motion_px);
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+/// Its rim moves by so much.
+Scene rotation(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  Object object = object_of("knot", points, {});
+  object.transform.keys.resize(2);
+  object.transform.keys[1].frame = 1.0;
+  for (TransformKey& key : object.transform.keys)
+    key.rotate_axis = Eigen::Vector3d(0.2, 1.0, 0.4).normalized();
+  object.transform.keys[1].rotate_radians = motion_px / px_per_unit;
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+Scene wall(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  Object still = object_of("plane", points / 2, {});
+  still.transform.keys.resize(1);
+  still.transform.keys[0].translate = {0.0, 0.0, -1.0};
+  still.transform.keys[0].rotate_axis = {1.0, 0.0, 0.0};
+  still.transform.keys[0].rotate_radians = 0.5 * std::numbers::pi;
+  still.transform.keys[0].scale = {2.0, 2.0, 2.0};
+  scene.objects.push_back(std::move(still));
+  Object object = object_of("sphere", points / 2, {{"radius", 0.4}});
+  move(object, {0, 0, 0.3}, {1.0, 0.1, 0.0}, motion_px);
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+Scene crossing(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  for (const double side : {-1.0, 1.0}) {
+    Object object = object_of(
+        side < 0.0 ? "sphere" : "knot", points / 2,
+        side < 0.0 ? std::map<std::string, double>{{"radius", 0.8}} : std::map<std::string, double>{});
+    move(object, {0.15 * side, 0.0, 0.0}, {-side, 0.2, side}, motion_px);
+    scene.objects.push_back(std::move(object));
+  }
+  return scene;
+}
+
+/// The particles have velocities of their own; the exposure is as long as the fastest needs.
+Scene sparks(std::size_t points, double motion_px) {
+  Scene scene = stage();
+  Object object = object_of("sparks", points, {});
+  double fastest = 0.0;
+  for (const Eigen::Vector3f& v : object.cloud.velocity) fastest = std::max(fastest, double{v.norm()});
+  object.transform.keys.resize(1);
+  object.transform.keys[0].translate = {0.0, -1.0, 0.0};
+  scene.shutter.close = motion_px / px_per_unit / fastest;
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+using Make = Scene (*)(std::size_t points, double motion_px);
+struct Entry {
+  const char* name;
+  Make make;
+  std::size_t points;
+  double motion_px;
+};
+
+constexpr Entry entries[] = {
+    {"sphere-100k-10", sphere, 100'000, 10},     {"sphere-100k-30", sphere, 100'000, 30},
+    {"sphere-100k-100", sphere, 100'000, 100},   {"sphere-500k-10", sphere, 500'000, 10},
+    {"sphere-500k-30", sphere, 500'000, 30},     {"sphere-500k-100", sphere, 500'000, 100},
+    {"sphere-1M-10", sphere, 1'000'000, 10},     {"sphere-1M-30", sphere, 1'000'000, 30},
+    {"sphere-1M-100", sphere, 1'000'000, 100},   {"knot-500k-30", knot, 500'000, 30},
+    {"rotation-500k-30", rotation, 500'000, 30}, {"wall-400k-60", wall, 400'000, 60},
+    {"crossing-300k-40", crossing, 300'000, 40}, {"sparks-20k-200", sparks, 20'000, 200},
+};
+
+}  // namespace
+
+std::vector<std::string> engine_scene_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries) names.emplace_back(entry.name);
+  return names;
+}
+
+Result<EngineScene> make_engine_scene(const std::string& name) {
+  for (const Entry& entry : entries) {
+    if (name != entry.name) continue;
+    EngineScene made{name, entry.make(entry.points, entry.motion_px)};
+    if (Status valid = made.scene.validate(); !valid) return valid.error();
+    for (const Object& object : made.scene.objects)
+      if (object.cloud.size() == 0) return Error{"", "scene", name + ": a generator refused"};
+    return made;
+  }
+  return Error{"", "scene", "there is no scene " + name};
+}
+
+}  // namespace swept

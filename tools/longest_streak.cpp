@@ -1,0 +1,77 @@
+#include "tools/longest_streak.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace swept {
+namespace {
+
+constexpr std::size_t instants = 9;
+
+/// Where a point is on the film, and whether the window has it.
+struct Place {
+  Eigen::Vector2d pixel;
+  bool in_window = false;
+};
+
+class Projector {
+ public:
+  Projector(const Scene& scene, const Object& object, double frame)
+      : film_(scene.film),
+        frame_(frame),
+        near_(scene.camera.near),
+        camera_(scene.camera.at(frame)),
+        world_(object.transform.at(frame)),
+        focal_px_(0.5 * film_.height / camera_.tan_half_fov_y) {}
+
+  /// None before the near plane.
+  [[nodiscard]] std::optional<Place> place(const SurfelCloud& cloud, std::size_t i) const {
+    const Eigen::Vector3d world = world_ * surfel_at(cloud, i, frame_).position;
+    const Eigen::Vector3d p = camera_.camera_from_world.linear() * (world - camera_.eye);
+    if (!(p.z() >= near_)) return std::nullopt;
+    Place place{
+        {0.5 * film_.width + focal_px_ * p.x() / p.z(), 0.5 * film_.height + focal_px_ * p.y() / p.z()}};
+    const double x = place.pixel.x() - film_.crop_x, y = place.pixel.y() - film_.crop_y;
+    place.in_window = x >= 0.0 && y >= 0.0 && x < film_.window_width() && y < film_.window_height();
+    return place;
+  }
+
+ private:
+  const Film& film_;
+  double frame_, near_;
+  CameraInstant camera_;
+  Eigen::Affine3d world_;
+  double focal_px_;
+};
+
+}  // namespace
+
+double longest_streak_px(const Scene& scene, const Object& object) {
+  const double open = scene.frame + scene.shutter.open, close = scene.frame + scene.shutter.close;
+  if (open == close) return 0.0;
+  if (!object.cloud.moves() && object.transform.constant_over(open, close) &&
+      scene.camera.constant_over(open, close)) {
+    return 0.0;
+  }
+  std::vector<Projector> projectors;
+  for (std::size_t k = 0; k < instants; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(instants - 1);
+    projectors.emplace_back(scene, object, open + share * (close - open));
+  }
+  double longest = 0.0;
+  for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+    double streak = 0.0;
+    std::optional<Place> before;
+    for (const Projector& projector : projectors) {
+      const std::optional<Place> now = projector.place(object.cloud, i);
+      if (before && now && (before->in_window || now->in_window))
+        streak += (now->pixel - before->pixel).norm();
+      before = now;
+    }
+    longest = std::max(longest, streak);
+  }
+  return longest;
+}
+
+}  // namespace swept
