@@ -105,10 +105,16 @@ CameraInstant instant(const Eigen::Vector3d& eye, const Eigen::Matrix3d& camera_
   return result;
 }
 
+/// Of unit length, whatever the length of `v`: squares beyond 1e154 or below 1e-154 are no numbers.
+Eigen::Vector3d direction(const Eigen::Vector3d& v) {
+  const double square = v.squaredNorm();
+  return square > 1e-290 && square < 1e290 ? v.normalized() : v.stableNormalized();
+}
+
 /// Rows are the camera's axes: right, down and forward.
 Eigen::Matrix3d look_at_basis(const Eigen::Vector3d& view, const Eigen::Vector3d& up) {
-  const Eigen::Vector3d forward = view.normalized();
-  const Eigen::Vector3d right = forward.cross(up).normalized();
+  const Eigen::Vector3d forward = direction(view);
+  const Eigen::Vector3d right = direction(forward.cross(up));
   Eigen::Matrix3d basis;
   basis << right.transpose(), forward.cross(right).transpose(), forward.transpose();
   return basis;
@@ -122,7 +128,7 @@ Error bad(std::size_t key, const char* member, std::string reason) {
 template <class Key>
 Status validate_common(const std::vector<Key>& keys, std::size_t i) {
   const Key& key = keys[i];
-  if (!std::isfinite(key.frame)) return bad(i, "/frame", "the frame is not a finite number");
+  if (!(std::abs(key.frame) <= most_frame)) return bad(i, "/frame", "the frame must be between -1e9 and 1e9");
   if (i > 0 && !(keys[i - 1].frame < key.frame))
     return bad(i, "/frame", "keys must be at strictly increasing frames");
   if (!key.eye.allFinite()) return bad(i, "/eye", "the eye is not finite");
@@ -131,24 +137,29 @@ Status validate_common(const std::vector<Key>& keys, std::size_t i) {
   return Done{};
 }
 
-bool parallel(const Eigen::Vector3d& cross, const Eigen::Vector3d& view, const Eigen::Vector3d& up) {
-  return !(cross.norm() > parallel_sine * view.norm() * up.norm());
+/// Both not zero.
+bool parallel(const Eigen::Vector3d& view, const Eigen::Vector3d& up) {
+  return !(view.stableNormalized().cross(up.stableNormalized()).norm() > parallel_sine);
 }
 
 /// Whether the basis vanishes somewhere between two good keys. View and up are linear in t there, so their
 /// product is quadratic, and where it is zero each component has a root.
 bool singular_between(const LookAtKey& a, const LookAtKey& b) {
-  const Eigen::Vector3d view = a.target - a.eye, view_step = (b.target - b.eye) - view;
-  const Eigen::Vector3d up_step = b.up - a.up;
-  const Eigen::Vector3d c0 = view.cross(a.up), c2 = view_step.cross(up_step);
-  const Eigen::Vector3d c1 = view.cross(up_step) + view_step.cross(a.up);
+  // In units of the largest of its coordinates each, so that no product leaves the range of a double.
+  const Eigen::Vector3d view_a = a.target - a.eye, view_b = b.target - b.eye;
+  const double view_unit = std::max(view_a.cwiseAbs().maxCoeff(), view_b.cwiseAbs().maxCoeff());
+  const double up_unit = std::max(a.up.cwiseAbs().maxCoeff(), b.up.cwiseAbs().maxCoeff());
+  const Eigen::Vector3d view = view_a / view_unit, view_step = view_b / view_unit - view;
+  const Eigen::Vector3d up = a.up / up_unit, up_step = b.up / up_unit - up;
+  const Eigen::Vector3d c0 = view.cross(up), c2 = view_step.cross(up_step);
+  const Eigen::Vector3d c1 = view.cross(up_step) + view_step.cross(up);
   const auto singular_at = [&](double t) {
     if (!(t > 0.0 && t < 1.0)) return false;
-    const Eigen::Vector3d view_t = view + t * view_step, up_t = a.up + t * up_step;
+    const Eigen::Vector3d view_t = view + t * view_step, up_t = up + t * up_step;
     // A step through the target leaves a rounding error for a view, whose direction means nothing.
     constexpr double lost = 1e-12;
     if (view_t.norm() <= lost * view_step.norm() || up_t.norm() <= lost * up_step.norm()) return true;
-    return parallel(view_t.cross(up_t), view_t, up_t);
+    return parallel(view_t, up_t);
   };
   for (int i = 0; i < 3; ++i) {
     const double discriminant = std::max(0.0, c1[i] * c1[i] - 4.0 * c2[i] * c0[i]);
@@ -167,10 +178,10 @@ Status validate_look_ats(const std::vector<LookAtKey>& keys) {
     if (!key.target.allFinite()) return bad(i, "/target", "the target is not finite");
     if (!key.up.allFinite()) return bad(i, "/up", "the up vector is not finite");
     const Eigen::Vector3d view = key.target - key.eye;
+    if (!view.allFinite()) return bad(i, "/target", "the target is too far from the eye for a double");
     if (view.isZero(0.0)) return bad(i, "/target", "the target is where the eye is");
     if (key.up.isZero(0.0)) return bad(i, "/up", "the up vector is zero");
-    if (parallel(view.cross(key.up), view, key.up))
-      return bad(i, "/up", "the up vector is parallel to the view direction");
+    if (parallel(view, key.up)) return bad(i, "/up", "the up vector is parallel to the view direction");
     if (i > 0 && singular_between(keys[i - 1], key))
       return bad(i, "",
                  "between this key and the one before it the eye meets the target or up meets the view "

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/exposure.h"
 #include "splat/result.h"
 
 namespace swept {

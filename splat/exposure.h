@@ -4,6 +4,10 @@
 
 namespace swept {
 
+/// Frames, shutter times and keys beyond this either way are refused: a frame is lost in the rounding of
+/// larger numbers.
+inline constexpr double most_frame = 1e9;
+
 /// From `open` to `close`, in absolute frames; open ≤ close. open == close is an instant: a still image.
 struct Exposure {
   double open = 0.0, close = 0.0;

@@ -3,10 +3,25 @@
 
 #include <cassert>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
 namespace swept {
+
+/// `text` with control characters as \xNN: names come from files, and a terminal would obey them.
+[[nodiscard]] inline std::string printable(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string shown;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte != 0x7f)
+      shown += c;
+    else
+      ((shown += "\\x") += digits[byte >> 4]) += digits[byte & 15];
+  }
+  return shown;
+}
 
 /// What went wrong, in the words of the person who has to mend it.
 struct Error {
@@ -14,7 +29,7 @@ struct Error {
   std::string field;   ///< JSON pointer, PLY property, option name, ...; may be empty
   std::string reason;  ///< one sentence without a trailing full stop
 
-  /// "file: field: reason", leaving out what is empty.
+  /// "file: field: reason", leaving out what is empty; printable.
   [[nodiscard]] std::string message() const {
     std::string text;
     for (const std::string* part : {&file, &field, &reason}) {
@@ -22,7 +37,7 @@ struct Error {
       if (!text.empty()) text += ": ";
       text += *part;
     }
-    return text;
+    return printable(text);
   }
 };
 

@@ -22,7 +22,8 @@ Status validate(const TransformTrack& track) {
   for (std::size_t i = 0; i < track.keys.size(); ++i) {
     const TransformKey& key = track.keys[i];
     const std::string at = "/keys/" + std::to_string(i);
-    if (!std::isfinite(key.frame)) return bad(at + "/frame", "the frame is not a finite number");
+    if (!(std::abs(key.frame) <= most_frame))
+      return bad(at + "/frame", "the frame must be between -1e9 and 1e9");
     if (i > 0 && !(track.keys[i - 1].frame < key.frame))
       return bad(at + "/frame", "keys must be at strictly increasing frames");
     if (!key.translate.allFinite()) return bad(at + "/translate", "the translation is not finite");

@@ -13,13 +13,6 @@
 
 namespace swept {
 
-/// Frames, shutter times and keys beyond these either way are refused: a frame is lost in the rounding of
-/// larger ones.
-inline constexpr double most_frame = 1e9;
-
-/// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
-inline constexpr float most_color = 1e30f;
-
 inline constexpr int max_segments = 4096;
 
 /// Shutter times in frames relative to the frame being rendered. open == close is a still image.

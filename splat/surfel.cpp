@@ -52,6 +52,9 @@ Status SurfelCloud::validate() const {
   }
   if (!color.empty()) {
     if (Status s = check_vectors("color", color, n); !s) return s;
+    for (std::size_t i = 0; i < color.size(); ++i)
+      if (color[i].cwiseAbs().maxCoeff() > most_color)
+        return Error{"", indexed("color", i), "must lie in [-1e30, 1e30]"};
   }
   if (!opacity.empty() && opacity.size() != n) return wrong_count("opacity", opacity.size(), n);
   for (std::size_t i = 0; i < opacity.size(); ++i) {

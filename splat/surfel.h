@@ -11,6 +11,9 @@
 
 namespace swept {
 
+/// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
+inline constexpr float most_color = 1e30f;
+
 /// Where the discs of a cloud are at one instant, in object space.
 ///
 /// A disc is {c + u a₁ + v a₂ : u² + v² ≤ 1}; its kernel is exp(−δ(u² + v²)). So |a₁| and |a₂| are

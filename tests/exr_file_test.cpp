@@ -138,7 +138,7 @@ TEST(WriteExr, HeaderSaysHowTheImageCameToBe) {
   EXPECT_EQ(primaries.blue, Imath::V2f(0.15f, 0.06f));
   EXPECT_EQ(primaries.white, Imath::V2f(0.3127f, 0.3290f));
   // Row vectors: Imath's own product takes the world point where the column-vector matrix does.
-  EXPECT_EQ(Imath::V3f(5, 6, 7) * Imf::worldToCamera(header), Imath::V3f(6 + 2, -5 + 3, 7 + 4));
+  EXPECT_EQ(Imath::V3f(5, 6, 7) * Imf::worldToCamera(header), Imath::V3f(6 + 2, -(-5 + 3), 7 + 4));
 }
 
 TEST(WriteExr, RefusesWhatDoesNotFit) {

@@ -14,6 +14,7 @@
 
 #include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
+#include "tools/console.h"
 
 namespace swept {
 namespace {
@@ -85,6 +86,11 @@ Status check_headers(const CompareArguments& arguments) {
 
 /// The figures are printed even if what follows fails.
 Status compare(const CompareArguments& arguments) {
+  for (const std::string* input : {&arguments.a, &arguments.b}) {
+    std::error_code code;
+    if (!arguments.difference.empty() && std::filesystem::equivalent(arguments.difference, *input, code))
+      return Error{arguments.difference, "--difference", "is one of the images compared"};
+  }
   if (const Status same = check_headers(arguments); !same) return same;
   const Result<Image> a = read_exr(arguments.a);
   if (!a) return a.error();
@@ -144,7 +150,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   command->callback([arguments, &exit_code] {
     const Status status = compare(*arguments);
     exit_code = status.ok() ? 0 : 1;
-    if (!status) fmt::print(stderr, "swept compare: {}\n", status.error().message());
+    if (!status) log("swept compare: {}\n", status.error().message());
   });
 }
 

@@ -13,6 +13,7 @@
 
 #include "datasets/generators.h"
 #include "splat/io/scene_file.h"
+#include "tools/console.h"
 #include "tools/gpu_method.h"
 #include "tools/scene_options.h"
 #include "tools/scene_report.h"
@@ -39,7 +40,7 @@ const char* yes(bool value) { return value ? "yes" : "no"; }
 void print_text(const SceneFile& file, const Scene& scene, const SceneReport& report) {
   const Film& film = scene.film;
   const CameraReport& camera = report.camera;
-  fmt::print("scene     {}, hash {}\n", file.path(), report.hash);
+  fmt::print("scene     {}, hash {}\n", printable(file.path()), report.hash);
   fmt::print("frame     {} at {}/{} frames per second\n", report.frame, scene.fps.numerator,
              scene.fps.denominator);
   fmt::print("shutter   {} to {} frames, {:.6g} s, {:.6g} degrees\n", scene.shutter.open, scene.shutter.close,
@@ -54,8 +55,8 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
              camera.fov_x_degrees, camera.fov_y_degrees, camera.near);
   fmt::print("objects   {}, lengths in world units\n", report.objects.size());
   for (const ObjectReport& object : report.objects) {
-    fmt::print("  {}\n", object.name);
-    fmt::print("    source    {}\n", object.source);
+    fmt::print("  {}\n", printable(object.name));
+    fmt::print("    source    {}\n", printable(object.source));
     fmt::print("    points    {}, {} keys\n", object.points, object.keys);
     fmt::print("    moves     points {}, object {}; {} segments\n", yes(object.points_move),
                yes(object.object_moves), object.segments);
@@ -70,7 +71,7 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
   fmt::print("effects\n");
   for (const std::string& effect : report.effects) fmt::print("  {}\n", effect);
   if (!file.notes().empty()) fmt::print("notes\n");
-  for (const std::string& note : file.notes()) fmt::print("  {}\n", note);
+  for (const std::string& note : file.notes()) fmt::print("  {}\n", printable(note));
 }
 
 Json json_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -125,7 +126,7 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
 int list_devices(const InfoArguments& arguments) {
   const Result<std::vector<std::string>> devices = describe_gpus();
   if (!devices) {
-    fmt::print(stderr, "swept info: {}\n", devices.error().message());
+    log("swept info: {}\n", devices.error().message());
     return 1;
   }
   if (arguments.json)

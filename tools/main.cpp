@@ -1,22 +1,69 @@
-// The swept command. Exit codes: 0 done, 1 a render failed, 2 bad arguments.
+// The swept command. Exit codes: 0 done, 1 something failed, 2 bad arguments.
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "splat/io/suggestion.h"
 #include "tools/compare_command.h"
+#include "tools/completion.h"
+#include "tools/console.h"
 #include "tools/info_command.h"
 #include "tools/render_command.h"
 #include "tools/study/study_command.h"
 #include "tools/study/worker.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+constexpr const char* footer = R"(Examples:
+  swept info scene.json                                    what a scene holds
+  swept render scene.json -o picture.exr                   its own frame
+  swept render scene.json -o f.%04d.exr --frames 1-100x2   every other one of a hundred
+  swept compare right.exr other.exr --min-psnr 60          how far apart two pictures are
+
+Exit codes: 0 done, 1 something failed, 2 bad arguments.)";
+
+/// What may have been meant by the first word that is not known; empty: none is near one that is.
+std::string_view meant(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = nullptr;
+  std::vector<std::string> names;
+  const auto nearest = [&](std::string_view word) {
+    // Static, for the view that is returned.
+    static std::vector<std::string> kept;
+    kept = std::move(names);
+    const std::vector<std::string_view> known(kept.begin(), kept.end());
+    return swept::nearest_word(word, known);
+  };
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i], name = word.substr(0, word.find('='));
+    if (command == nullptr && !word.starts_with("-")) {
+      for (const CLI::App* known : app.get_subcommands(nullptr)) {
+        if (known->get_name() == word) command = known;
+        if (!known->get_group().empty()) names.push_back(known->get_name());
+      }
+      if (command == nullptr) return nearest(word);
+      names.clear();
+      continue;
+    }
+    const CLI::App& here = command == nullptr ? app : *command;
+    if (!word.starts_with("--") || here.get_option_no_throw(name) != nullptr) continue;
+    for (const CLI::Option* known : here.get_options())
+      for (const std::string& option : known->get_lnames()) names.push_back("--" + option);
+    return nearest(name);
+  }
+  return {};
+}
+
+int run(int argc, char** argv) {
   CLI::App app("Exact motion blur for point clouds", "swept");
   app.set_version_flag("--version", "swept " SWEPT_VERSION);
   app.require_subcommand(1);
+  app.footer(footer);
   int exit_code = 0;
   try {
     swept::add_render_command(app, exit_code);
@@ -24,16 +71,29 @@ int main(int argc, char** argv) {
     swept::add_compare_command(app, exit_code);
     swept::add_study_command(app, exit_code);
     swept::add_study_worker_command(app, exit_code);
+    swept::add_completion_command(app);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" with code 0.
-    return app.exit(error) == 0 ? 0 : 2;
+    if (app.exit(error) == 0) return 0;
+    if (const std::string_view word = meant(app, argc, argv); !word.empty())
+      swept::log("Did you mean {}?\n", word);
+    return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "swept: not enough memory\n");
+    swept::log("swept: not enough memory\n");
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "swept: {}\n", error.what());
+    swept::log("swept: {}\n", error.what());
     return 1;
   }
   return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  swept::prepare_console();
+  const int exit_code = run(argc, argv);
+  if (swept::finish_console()) return exit_code;
+  return exit_code != 0 ? exit_code : 1;
 }

@@ -8,7 +8,8 @@ Error not_built() { return {"", "", "this swept was built without the GPU modes 
 }  // namespace
 
 std::unique_ptr<FrameRenderer> gpu_frames(const GpuChoice&) {
-  return std::make_unique<OneByOne>([](const Scene&) -> Result<Rendered> { return not_built(); });
+  return std::make_unique<OneByOne>(
+      [](const Scene&, const RenderControl&) -> Result<Rendered> { return not_built(); });
 }
 
 Result<std::vector<std::string>> describe_gpus() { return not_built(); }

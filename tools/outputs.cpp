@@ -20,6 +20,13 @@ bool exists(const std::string& path) {
   return fs::exists(path, code);
 }
 
+/// The same for all names and links that lead to one file.
+std::string target_of(const std::string& path) {
+  std::error_code code;
+  const fs::path target = fs::weakly_canonical(path, code);
+  return code ? path : target.string();
+}
+
 bool has_content(const std::string& path) {
   std::error_code code;
   return exists(path) && fs::file_size(path, code) > 0;
@@ -43,7 +50,7 @@ Status check_origin(const std::string& path, const ExrOrigin& expected) {
 
 Result<std::string> name_output(const std::string& option, const std::string& pattern, double frame,
                                 bool several) {
-  if (!several && pattern.find_first_of("%#") == std::string::npos) return pattern;
+  if (!several && !is_sequence_pattern(pattern)) return pattern;
   if (frame != std::floor(frame) || std::abs(frame) > 1e9)
     return Error{"", option, fmt::format("frame {} has no whole number to put into {}", frame, pattern)};
   const Result<std::string> path = sequence_path(pattern, static_cast<int>(frame));
@@ -51,11 +58,12 @@ Result<std::string> name_output(const std::string& option, const std::string& pa
   return Error{"", option, fmt::format("{}: {}", pattern, path.error().reason)};
 }
 
-/// Finds out by trying, which also covers read-only file systems; once for each folder.
+/// Finds out by trying, which also covers read-only file systems; for new files once for each folder.
 Status check_writable(const std::string& path, std::set<std::string>& writable_folders) {
   std::error_code code;
   if (fs::is_directory(path, code)) return Error{path, "", "is a folder"};
-  if (!writable_folders.insert(fs::path(path).parent_path().string()).second) return Done{};
+  const bool known = !writable_folders.insert(fs::path(path).parent_path().string()).second;
+  if (known && !fs::exists(fs::symlink_status(path, code))) return Done{};
   const Result<AtomicFile> trial = AtomicFile::create(path);
   if (!trial) return trial.error();
   return Done{};
@@ -69,7 +77,8 @@ Result<std::vector<FrameOutput>> name_outputs(const std::vector<double>& frames,
   std::vector<FrameOutput> outputs;
   std::set<std::string> names;
   for (const double frame : frames) {
-    FrameOutput output{frame, {}, {}, false};
+    FrameOutput output;
+    output.frame = frame;
     if (!image.empty()) {
       Result<std::string> path = name_output("--output", image, frame, several);
       if (!path) return path.error();
@@ -94,7 +103,7 @@ Status check_output_file(const std::string& path, Existing existing) {
 }
 
 Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing, const OriginOf& origin_of) {
-  std::set<std::string> folders;
+  std::set<std::string> folders, targets;
   for (FrameOutput& output : outputs) {
     if (existing == Existing::skip && has_content(output.image)) {
       const Result<ExrOrigin> expected = origin_of(output);
@@ -103,11 +112,15 @@ Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing, const
       output.skip = output.preview.empty() || has_content(output.preview);
       if (output.skip) continue;
     }
-    for (const std::string& path : {output.image, output.preview}) {
-      if (path.empty()) continue;
-      if (existing == Existing::refuse && exists(path))
-        return Error{path, "", "exists; --overwrite replaces it, --skip-existing keeps it"};
-      if (Status writable = check_writable(path, folders); !writable) return writable;
+    for (const auto& [path, if_exists] :
+         {std::pair{&output.image, &output.image_exists}, {&output.preview, &output.preview_exists}}) {
+      if (path->empty()) continue;
+      if (existing == Existing::refuse && exists(*path))
+        return Error{*path, "", "exists; --overwrite replaces it, --skip-existing keeps it"};
+      if (existing == Existing::overwrite || exists(*path)) *if_exists = IfExists::replace;
+      if (Status writable = check_writable(*path, folders); !writable) return writable;
+      if (!targets.insert(target_of(*path)).second)
+        return Error{*path, "", "two outputs would be written to one file, " + target_of(*path)};
     }
   }
   return Done{};

@@ -17,6 +17,9 @@ struct FrameOutput {
   double frame = 0.0;
   std::string image, preview;  ///< paths; preview may be empty
   bool skip = false;           ///< all of it exists already
+  /// What to do with files that are there once the frame is done: those that were not there before, and that
+  /// nobody asked to replace, are another run's.
+  IfExists image_exists = IfExists::fail, preview_exists = IfExists::fail;
 };
 
 /// The paths of all frames. A pattern (%04d, ####) is needed if there are several frames, and is filled in if

@@ -16,6 +16,7 @@
 #include "splat/io/atomic_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
+#include "tools/console.h"
 #include "tools/outputs.h"
 #include "tools/render_frames.h"
 #include "tools/render_methods.h"
@@ -28,21 +29,21 @@ namespace {
 struct RenderArguments {
   std::string scene, output, preview, stats;
   std::vector<int> frames;  ///< empty: the scene's own
-  bool overwrite = false, skip_existing = false, dry_run = false;
+  bool half = false, overwrite = false, skip_existing = false, dry_run = false;
   RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
   std::shared_ptr<const MethodChoice> method;
 };
 
 int fail(const Error& error, int exit_code = 1) {
-  fmt::print(stderr, "swept render: {}\n", error.message());
+  log("swept render: {}\n", error.message());
   return exit_code;
 }
 
 /// Loads what the frames need and prints what would be done with them.
 int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
   for (const FrameOutput& output : outputs) {
-    const std::string name = output.image.empty() ? "" : " " + output.image;
+    const std::string name = output.image.empty() ? "" : " " + printable(output.image);
     if (output.skip) {
       fmt::print("frame {}: skip{}\n", output.frame, name);
       continue;
@@ -77,13 +78,19 @@ Status check_stats_path(const RenderArguments& arguments, Existing existing) {
   return check_output_file(arguments.stats, existing);
 }
 
+/// What besides the scene tells this picture from others.
+std::string picture_of(const RenderArguments& arguments, const PreparedMethod& method) {
+  return method.picture + (arguments.half ? ", half floats" : "");
+}
+
 int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const PreparedMethod& method,
                const RenderArguments& arguments) {
   RunStatistics run;
   run.software = "swept " SWEPT_VERSION;
   run.scene = arguments.scene;
   run.method = arguments.method->method;
-  run.picture = method.picture;
+  run.picture = picture_of(arguments, method);
+  run.pixels = arguments.half ? ExrPixels::float16 : ExrPixels::float32;
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
@@ -118,7 +125,7 @@ int render(const RenderArguments& arguments) {
   const auto origin_of = [&](const FrameOutput& output) -> Result<ExrOrigin> {
     Result<std::string> hash = file->hash(output.frame);
     if (!hash) return hash.error();
-    return ExrOrigin{std::move(*hash), method->picture};
+    return ExrOrigin{std::move(*hash), picture_of(arguments, *method)};
   };
   if (const Status status = check_outputs(*outputs, existing, origin_of); !status)
     return fail(status.error());
@@ -132,11 +139,16 @@ int render(const RenderArguments& arguments) {
 void add_render_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Render frames of a scene file to OpenEXR");
+  command->footer(
+      "Examples:\n"
+      "  swept render scene.json -o f.%04d.exr --frames 1-48 --skip-existing   go on where a run stopped\n"
+      "  swept render scene.json -o small.exr --preview small.png --size 320x180\n\n"
+      "Exit codes: 0 done, 1 something failed, 2 bad arguments.");
   command->add_option("scene", arguments->scene, "The scene file")->required()->type_name("FILE.json");
   command
       ->add_option("-o,--output", arguments->output,
-                   "Where to write; for several frames with a number pattern, frame.%04d.exr or "
-                   "frame.####.exr")
+                   "Where to write; for several frames with a number pattern in the file's name, such as "
+                   "frame.%04d.exr, frame.####.exr or frame.$F4.exr")
       ->type_name("FILE.exr");
   command
       ->add_option("--preview", arguments->preview,
@@ -152,8 +164,13 @@ void add_render_command(CLI::App& app, int& exit_code) {
           },
           "Frames to render, e.g. 1-100x2,120; by default the scene's own")
       ->type_name("RANGES");
+  command->add_flag("--half", arguments->half,
+                    "Write colours and alpha as half floats: 11 bits, 65504 at most; depth stays float");
   auto* overwrite = command->add_flag("--overwrite", arguments->overwrite, "Replace files that exist");
-  command->add_flag("--skip-existing", arguments->skip_existing, "Leave out frames that exist")
+  command
+      ->add_flag("--skip-existing", arguments->skip_existing,
+                 "Leave out frames that exist; a file that is not just that frame of this scene is an "
+                 "error, and stays")
       ->excludes(overwrite);
   command->add_flag("--dry-run", arguments->dry_run,
                     "Read everything, check the outputs, print the plan and render nothing");

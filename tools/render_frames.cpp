@@ -24,7 +24,10 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, con
   metadata.shutter_open = scene.shutter.open;
   metadata.shutter_close = scene.shutter.close;
   const double middle = scene.frame + scene.shutter.open + 0.5 * length;
-  metadata.world_to_camera = scene.camera.at(middle).camera_from_world.matrix();
+  const CameraInstant camera = scene.camera.at(middle);
+  metadata.world_to_camera = camera.camera_from_world.matrix();
+  metadata.tan_half_fov_y = camera.tan_half_fov_y;
+  metadata.near = scene.camera.near;
   metadata.scene_hash = scene_hash;
   metadata.method = run.picture;
   metadata.software = run.software;
@@ -80,8 +83,12 @@ class FrameLoop {
     statistics.statistics = std::move(rendered->statistics);
     // The image last: whoever finds it finds the frame done.
     if (!output.preview.empty())
-      if (Status written = write_png(output.preview, rendered->image); !written) return written;
-    if (Status written = write_exr(output.image, rendered->image, frame.metadata); !written) return written;
+      if (Status written = write_png(output.preview, rendered->image, output.preview_exists); !written)
+        return written;
+    if (Status written =
+            write_exr(output.image, rendered->image, frame.metadata, run_.pixels, output.image_exists);
+        !written)
+      return written;
     statistics.write_seconds = watch.lap();
     for (const std::string& note : statistics.notes)
       if (told_.insert(note).second) progress_.note("note: " + note);
@@ -110,6 +117,7 @@ class FrameLoop {
 Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
                      RunStatistics& run) {
   Progress progress(outputs.size());
+  renderer.on_progress([&progress](double share) { progress.within_frame(share); });
   FrameLoop loop(file, renderer, run, progress);
   std::vector<FrameStatistics> frames(outputs.size());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -128,6 +136,8 @@ Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, F
     if (!submitted) return submitted;
   }
   if (Status finished = loop.finish_all_but(0); !finished) return finished;
+  renderer.on_progress({});
+  progress.finish();
   for (FrameStatistics& frame : frames) run.frames.push_back(std::move(frame));
   return Done{};
 }

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -27,7 +28,9 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
   const bool per_pixel = arguments.text("--normalisation", "interval") == "pixel";
   options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
   return PreparedMethod{
-      std::make_shared<OneByOne>([options](const Scene& scene) { return render_abuffer(scene, options); }),
+      std::make_shared<OneByOne>(
+          [options](const Scene& scene, const RenderControl&) { return render_abuffer(scene, options); },
+          control),
       {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
       per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
 }
@@ -59,9 +62,11 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
     return Error{"", "--samples", "says how many instants, and --max-error has them chosen: one of the two"};
   if (const Status valid = options.validate(); !valid)
     return Error{"", valid.error().field, valid.error().reason};
-  return PreparedMethod{std::make_shared<OneByOne>([options, control](const Scene& scene) {
-                          return render_sampled(scene, options, control);
-                        }),
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene, const RenderControl& within) {
+                              return render_sampled(scene, options, within);
+                            },
+                            control),
                         {{"threads", control.threads},
                          {"samples", options.samples},
                          {"max_error_db", options.max_error_db},
@@ -81,7 +86,9 @@ Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const
   options.motion = motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
   if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
   return PreparedMethod{
-      std::make_shared<OneByOne>([options](const Scene& scene) { return render_reference(scene, options); }),
+      std::make_shared<OneByOne>(
+          [options](const Scene& scene, const RenderControl&) { return render_reference(scene, options); },
+          control),
       {{"threads", options.threads}, {"samples", options.samples}},
       fmt::format("reference {} {}", options.samples, motion)};
 }
@@ -280,10 +287,14 @@ std::shared_ptr<const MethodChoice> add_method_options(CLI::App& command) {
 
 Result<PreparedMethod> prepare_method(const MethodChoice& choice, const RenderControl& control) {
   const RenderMethod& method = find_method(choice.method);
+  RenderControl within = control;
+  // More threads than cores gain nothing, and oneTBB says so on stderr.
+  if (const auto cores = static_cast<int>(std::thread::hardware_concurrency()); cores > 0)
+    within.threads = std::min(within.threads, cores);
   for (const std::string& option : choice.arguments.options())
     if (std::find(method.options.begin(), method.options.end(), option) == method.options.end())
       return Error{"", option, "goes with --method " + methods_with(option)};
-  return method.prepare(choice.arguments, control);
+  return method.prepare(choice.arguments, within);
 }
 
 }  // namespace swept

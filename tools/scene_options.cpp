@@ -15,6 +15,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "splat/fields.h"
+#include "tools/console.h"
 
 namespace swept {
 namespace {
@@ -136,7 +137,7 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
 }
 
 int report_scene_error(const char* command, const Error& error, const SceneOverrides& overrides) {
-  fmt::print(stderr, "swept {}: {}\n", command, error.message());
+  log("swept {}: {}\n", command, error.message());
   const auto about = [&](const auto& given) { return given.first.starts_with(error.field); };
   const bool said =
       !error.field.empty() && std::any_of(overrides.fields.begin(), overrides.fields.end(), about);

@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "splat/io/sequence.h"
 #include "splat/motion/segments.h"
 #include "tools/longest_streak.h"
 
@@ -21,8 +22,12 @@ std::string describe(const ObjectSource& source) {
   if (const auto* file = std::get_if<FileSource>(&source.points))
     return file->end_path.empty() ? file->path : file->path + " to " + file->end_path;
   const auto& sequence = std::get<SequenceSource>(source.points);
-  return fmt::format("{} {}-{}{}", sequence.pattern, sequence.first, sequence.last,
-                     sequence.cycle ? ", cyclic" : "");
+  std::string text = sequence.pattern;
+  if (sequence.first) text += fmt::format(" {}-{}", *sequence.first, *sequence.last);
+  if (sequence.step != 1) text += fmt::format("x{}", sequence.step);
+  if (!sequence.numbers.empty()) text += ' ' + frame_ranges_text(sequence.numbers);
+  if (sequence.offset != 0) text += fmt::format(", {} frames later", sequence.offset);
+  return text + (sequence.gaps ? ", with gaps" : "") + (sequence.cycle ? ", cyclic" : "");
 }
 
 bool points_move(const SurfelCloud& cloud, double open, double close) {

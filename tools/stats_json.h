@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "splat/io/image_file.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 
@@ -21,8 +22,9 @@ struct FrameStatistics {
 
 struct RunStatistics {
   std::string software, scene, method;
-  std::string picture;        ///< the method with what of its options is in the image, one line
-  int width = 0, height = 0;  ///< of the film, px
+  std::string picture;  ///< the method with what of its options is in the image, one line
+  ExrPixels pixels = ExrPixels::float32;
+  int width = 0, height = 0;                            ///< of the film, px
   std::vector<std::pair<std::string, double>> options;  ///< of the method
   double peak_memory_bytes = 0.0;                       ///< resident, of the whole process
   std::vector<FrameStatistics> frames;

@@ -1,5 +1,6 @@
 // Wang, Bovik, Sheikh and Simoncelli: Image quality assessment: from error visibility to structural
 // similarity (2004), equation 13 with the Gaussian weights of section III-C.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -41,8 +42,11 @@ struct Moments {
 };
 
 double ssim_of(const Moments& m) {
-  const double variance_a = m.aa - m.a * m.a, variance_b = m.bb - m.b * m.b;
-  const double covariance = m.ab - m.a * m.b;
+  // What rounding leaves of differences of large squares may be of either sign, but no variance is negative,
+  // and no covariance beyond Cauchy and Schwarz.
+  const double variance_a = std::max(0.0, m.aa - m.a * m.a), variance_b = std::max(0.0, m.bb - m.b * m.b);
+  const double most = std::sqrt(variance_a) * std::sqrt(variance_b);
+  const double covariance = std::clamp(m.ab - m.a * m.b, -most, most);
   return (2.0 * m.a * m.b + kC1) * (2.0 * covariance + kC2) /
          ((m.a * m.a + m.b * m.b + kC1) * (variance_a + variance_b + kC2));
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "splat/image.h"
+#include "splat/io/atomic_file.h"
 #include "splat/result.h"
 
 namespace swept {
@@ -19,16 +20,26 @@ namespace swept {
 ///   expTime          float           exposure_seconds
 ///   shutterAngle     float, degrees  360 · (shutter_close − shutter_open)
 ///   shutterOpen, shutterClose  double, frames relative to the frame
-///   worldToCamera    m44f            the transpose of world_to_camera: OpenEXR's points are row vectors,
-///                                    p_camera = p_world · M; camera axes are x right, y down, z forward
+///   worldToCamera    m44f            world_to_camera in OpenEXR's terms: points are row vectors,
+///                                    p_camera = p_world · M, and camera axes x right, y up, z forward
+///   worldToNDC       m44f            p_world · M, divided by its w, is (0, 0) in the upper left corner of
+///   the
+///                                    display window and (1, 1) in the lower right; z is 1 − near/depth
+///   screenWindowCenter, screenWindowWidth  the film at depth 1: (0, 0), 2 tan_half_fov_y · width/height
+///   fieldOfView      float, degrees  along the film's width
 ///   sceneHash, method, software  string  left out if empty
 ///
-/// beside compression (ZIP), the windows, and the Rec.709 chromaticities.
+/// beside compression (ZIP), the windows, and the Rec.709 chromaticities. Without a field of view there is no
+/// worldToNDC and no fieldOfView. A float has 7 digits: what is a million units from the origin is placed to
+/// 0.1 of them.
 struct ImageMetadata {
-  int fps_numerator = 24, fps_denominator = 1;                    ///< both > 0
-  double exposure_seconds = 0.0;                                  ///< how long the shutter is open, ≥ 0
-  double shutter_open = 0.0, shutter_close = 0.0;                 ///< frames relative to the frame
-  Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();  ///< for column vectors, mid-shutter
+  int fps_numerator = 24, fps_denominator = 1;     ///< both > 0
+  double exposure_seconds = 0.0;                   ///< how long the shutter is open, ≥ 0
+  double shutter_open = 0.0, shutter_close = 0.0;  ///< frames relative to the frame
+  /// For column vectors, mid-shutter; camera axes x right, y down, z forward, as everywhere in Swept.
+  Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();
+  double tan_half_fov_y = 0.0;  ///< of the whole film, mid-shutter; 0: not known
+  double near = 1e-3;           ///< world units, > 0
   std::string scene_hash;
   std::string method;  ///< how the image was computed, with the options that are in it
   std::string software;
@@ -43,7 +54,8 @@ enum class ExrPixels {
 /// the data window the image's window of it. Errors: sizes that do not fit each other (field names the
 /// array), metadata out of range, and whatever the file system objects to.
 [[nodiscard]] Status write_exr(const std::string& path, const Image& image,
-                               const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32);
+                               const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32,
+                               IfExists existing = IfExists::replace);
 
 /// Reads R, G, B and, where present, A and Z of the first part: scan lines or tiles, half, float or uint.
 /// Without A the image is opaque (1); without Z `depth` is empty. The film is the display window and the
@@ -68,6 +80,7 @@ struct ExrOrigin {
 
 /// An 8-bit RGBA preview of the window: colours divided by alpha, clipped to [0, 1], sRGB transfer. Where
 /// alpha is 0 or anything is NaN, 0. Errors as for write_exr.
-[[nodiscard]] Status write_png(const std::string& path, const Image& image);
+[[nodiscard]] Status write_png(const std::string& path, const Image& image,
+                               IfExists existing = IfExists::replace);
 
 }  // namespace swept

@@ -33,6 +33,15 @@ class Checker : public json::json_sax_t {
 
   const Error& error() const { return error_; }
 
+  /// Of a document without bad syntax: whether it is too large to be kept.
+  Status size() const {
+    if (deepest_ > most_levels)
+      return Error{file_, too_deep_at_, "nested in more than " + std::to_string(most_levels) + " levels"};
+    if (values_ > most_values)
+      return Error{file_, "", "holds more than " + std::to_string(most_values) + " values"};
+    return Done{};
+  }
+
   bool null() override { return value(); }
   bool boolean(bool) override { return value(); }
   bool number_integer(number_integer_t) override { return value(); }
@@ -47,12 +56,10 @@ class Checker : public json::json_sax_t {
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
+    if (depth_ > most_levels || values_ > most_values) return true;
     levels_.back().token = name;
     if (levels_.back().keys.insert(name).second) return true;
-    std::string pointer;
-    for (const Level& level : levels_)
-      pointer = join_pointer(pointer, level.is_array ? std::to_string(level.next_index) : level.token);
-    error_ = {file_, pointer, "the key appears twice in one object"};
+    error_ = {file_, pointer(), "the key appears twice in one object"};
     return false;
   }
 
@@ -72,25 +79,43 @@ class Checker : public json::json_sax_t {
     std::set<std::string> keys;
   };
 
+  // A scene has seven levels, and 100,000 camera keys of matrices have two million values. What is beyond is
+  // read on for its syntax, but not kept.
+  static constexpr std::size_t most_levels = 64, most_values = 4'000'000;
+
+  std::string pointer() const {
+    std::string pointer;
+    for (const Level& level : levels_)
+      pointer = join_pointer(pointer, level.is_array ? std::to_string(level.next_index) : level.token);
+    return pointer;
+  }
+
   bool value() {
-    if (!levels_.empty()) ++levels_.back().next_index;
+    ++values_;
+    if (depth_ <= most_levels && !levels_.empty()) ++levels_.back().next_index;
     return true;
   }
 
   bool open(bool is_array) {
+    ++depth_;
+    if (depth_ == most_levels + 1 && deepest_ < depth_) too_deep_at_ = pointer();
+    deepest_ = std::max(deepest_, depth_);
+    if (depth_ > most_levels) return true;
     levels_.push_back({});
     levels_.back().is_array = is_array;
     return true;
   }
 
   bool close() {
-    levels_.pop_back();
+    if (depth_-- <= most_levels) levels_.pop_back();
     return value();
   }
 
   const std::string& file_;
   const std::string& text_;
   std::vector<Level> levels_;
+  std::size_t depth_ = 0, deepest_ = 0, values_ = 0;
+  std::string too_deep_at_;
   Error error_;
 };
 
@@ -112,6 +137,7 @@ std::string join_pointer(const std::string& pointer, const std::string& key) {
 Result<nlohmann::json> parse_json(const std::string& file, const std::string& text) {
   Checker checker(file, text);
   if (!json::sax_parse(text, &checker)) return checker.error();
+  if (const Status size = checker.size(); !size) return size.error();
   try {
     return json::parse(text);
   } catch (const json::exception& exception) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "splat/io/json_text.h"
@@ -78,9 +79,9 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   }
   CloudSource cloud = cloud_source(source, scene_);
   double first = scene_.frame + scene_.shutter.open, last = scene_.frame + scene_.shutter.close;
-  Result<std::vector<KeyFile>> files = io::source_files(source, first, last);
+  Result<io::SourceFiles> files = io::source_files(source, first, last);
   if (!files) return source_error(source, files.error());
-  cloud.files = std::move(*files);
+  cloud.files = std::move(files->files);
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
     first = cloud.files.front().frame;
     last = cloud.files.back().frame;
@@ -97,11 +98,13 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
   if (!loaded && loaded.error().file.empty())
     return Error{path_, pointer, Error{"", loaded.error().field, loaded.error().reason}.message()};
+  if (loaded && !files->note.empty()) loaded->notes.push_back(files->note);
   return loaded;
 }
 
 Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generator) {
-  if (!std::isfinite(frame)) return Error{path_, "/frame", "the frame is not a finite number"};
+  if (!(std::abs(frame) <= most_frame))
+    return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
   scene_.frame = frame;
   clouds_->objects.resize(sources_.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
@@ -120,6 +123,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
     } catch (const std::bad_alloc&) {
       return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};
+    } catch (const std::exception& exception) {
+      return Error{path_, sources_[i].pointer + "/source", exception.what()};
     }
   }
   return &std::as_const(scene_);

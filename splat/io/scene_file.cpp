@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cmath>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <utility>
 
+#include "splat/io/guarded.h"
 #include "splat/io/json_text.h"
 #include "splat/io/scene_parsing.h"
 
@@ -85,35 +85,30 @@ void parse_scene(const JsonNode& root, const std::string& folder, const SceneOve
 }  // namespace
 
 Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides) {
-  const Result<std::string> text = read_text(path);
-  if (!text) return text.error();
-  return scene_from_text(*text, path, overrides);
+  return io::guarded(path, [&]() -> Result<SceneFile> {
+    const Result<std::string> text = read_text(path);
+    if (!text) return text.error();
+    return scene_from_text(*text, path, overrides);
+  });
 }
 
 Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                   const SceneOverrides& overrides) {
-  const Result<nlohmann::json> document = io::parse_json(path, text);
-  if (!document) return document.error();
-  SceneFile file;
-  file.path_ = path;
-  try {
+  return io::guarded(path, [&]() -> Result<SceneFile> {
+    const Result<nlohmann::json> document = io::parse_json(path, text);
+    if (!document) return document.error();
+    SceneFile file;
+    file.path_ = path;
     parse_scene(JsonNode(*document, path), std::filesystem::path(path).parent_path().string(), overrides,
                 file.scene_, file.sources_);
-  } catch (const Error& error) {
-    return error;
-  } catch (const std::exception& exception) {
-    return Error{path, "", exception.what()};
-  }
-  if (!(overrides.points_scale > 0.0) || !std::isfinite(overrides.points_scale))
-    return Error{path, "points_scale", "must be a finite number above 0"};
-  file.points_scale_ = overrides.points_scale;
-  if (const Status valid = file.scene_.validate(); !valid) {
-    Error error = valid.error();
-    error.file = path;
-    return error;
-  }
-  file.canonical_ = document->dump() + '\n' + canonical(file.scene_, file.points_scale_);
-  return file;
+    if (!(overrides.points_scale > 0.0) || !std::isfinite(overrides.points_scale))
+      return Error{path, "points_scale", "must be a finite number above 0"};
+    file.points_scale_ = overrides.points_scale;
+    if (const Status valid = file.scene_.validate(); !valid)
+      return Error{path, valid.error().field, valid.error().reason};
+    file.canonical_ = document->dump() + '\n' + canonical(file.scene_, file.points_scale_);
+    return file;
+  });
 }
 
 }  // namespace swept

@@ -48,11 +48,15 @@ struct FileSource {
   double end_frame = 1.0;
 };
 
-/// File n holds the points at frame n.
+/// File n holds the points at frame n + offset.
 struct SequenceSource {
-  std::string pattern;  ///< with %04d or ####
-  int first = 1, last = 1;
-  bool cycle = false;  ///< frame last + 1 is frame first again, and so on both ways; else held outside
+  std::string pattern;             ///< with %04d, #### or $F4
+  std::optional<int> first, last;  ///< numbers of files; both or none
+  int step = 1;                    ///< from one number to the next, ≥ 1
+  std::vector<int> numbers;        ///< increasing; instead of the three above
+  int offset = 0;
+  bool gaps = false;   ///< files may be missing, and points move straight across; else an error
+  bool cycle = false;  ///< frame last + step is frame first again, and so on both ways; else held outside
   std::map<std::string, std::string> attributes;
   StoredColor stored;
 };
@@ -108,6 +112,7 @@ class SceneFile {
                                            const SceneOverrides& overrides);
   SceneFile();
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
+  [[nodiscard]] Result<std::string> hash_of(double frame) const;
   /// An error of source_files(), seen from the scene file.
   [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
 

@@ -1,11 +1,13 @@
 // What tells the pictures of scenes apart.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <vector>
 
 #include "splat/io/content_hash.h"
+#include "splat/io/guarded.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/source_files.h"
 
@@ -36,14 +38,20 @@ Result<std::string> hash_file(const std::string& path) {
 }  // namespace io
 
 Result<std::string> SceneFile::hash(double frame) const {
+  if (!(std::abs(frame) <= most_frame))
+    return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
+  return io::guarded(path_, [&] { return hash_of(frame); });
+}
+
+Result<std::string> SceneFile::hash_of(double frame) const {
   io::ContentHash hash;
   hash.add_part(canonical_);
   hash.add_part(shortest_text(frame));
   for (const ObjectSource& source : sources_) {
-    const Result<std::vector<KeyFile>> files =
+    const Result<io::SourceFiles> files =
         io::source_files(source, frame + scene_.shutter.open, frame + scene_.shutter.close);
     if (!files) return source_error(source, files.error());
-    for (const KeyFile& key : *files) {
+    for (const KeyFile& key : files->files) {
       // A file that is shown at many frames is read once.
       std::error_code code;
       Clouds::Content& content = clouds_->contents[key.path];

@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
 #include "splat/io/scene_parsing.h"
+#include "splat/io/sequence.h"
 
 namespace swept::io {
 namespace {
@@ -13,6 +16,12 @@ std::string resolve(const JsonNode& node, const std::string& folder) {
   const std::string& path = node.string();
   if (path.empty()) node.fail("the path is empty");
   return (std::filesystem::path(folder) / path).string();
+}
+
+double frame_of(const JsonNode& node) {
+  const double frame = node.number();
+  if (std::abs(frame) > most_frame) node.fail("the frame must be between -1e9 and 1e9");
+  return frame;
 }
 
 std::map<std::string, std::string> parse_attributes(const JsonNode& source) {
@@ -45,7 +54,7 @@ FileSource parse_file(const JsonNode& node, const std::string& folder, double de
   FileSource source;
   source.path = resolve(node.require("file"), folder);
   source.frame = default_frame;
-  if (const auto frame = node.find("frame")) source.frame = frame->number();
+  if (const auto frame = node.find("frame")) source.frame = frame_of(*frame);
   source.attributes = parse_attributes(node);
   source.stored = parse_stored_color(node);
   if (const auto skip = node.find("skip_invalid")) source.skip_invalid = skip->boolean();
@@ -55,20 +64,40 @@ FileSource parse_file(const JsonNode& node, const std::string& folder, double de
     node.require("skip_invalid").fail("points that are left out of one of two files no longer match");
   if (const auto end = node.find("end_frame")) {
     if (source.end_path.empty()) end->fail("an end frame goes with \"end_file\"");
-    source.end_frame = end->number();
+    source.end_frame = frame_of(*end);
     if (!(source.end_frame > source.frame)) end->fail("must be after the frame of the first file");
   }
   return source;
 }
 
 SequenceSource parse_sequence(const JsonNode& node, const std::string& folder) {
-  node.expect_keys({"sequence", "first", "last", "cycle", "attributes", "color_range", "color_space"});
+  node.expect_keys({"sequence", "first", "last", "step", "frames", "offset", "gaps", "cycle", "attributes",
+                    "color_range", "color_space"});
   SequenceSource source;
   source.pattern = resolve(node.require("sequence"), folder);
-  source.first = static_cast<int>(node.require("first").integer(0, max_frame_number));
-  const JsonNode last = node.require("last");
-  source.last = static_cast<int>(last.integer(0, max_frame_number));
-  if (source.last < source.first) last.fail("the last file is before the first");
+  const auto number = [](const JsonNode& of, long long least = -max_frame_number) {
+    return static_cast<int>(of.integer(least, max_frame_number));
+  };
+  if (const auto frames = node.find("frames")) {
+    for (const char* other : {"first", "last", "step"})
+      if (const auto member = node.find(other)) member->fail("goes without \"frames\"");
+    const Result<std::vector<int>> numbers = parse_frame_ranges(frames->string());
+    if (!numbers) frames->fail(numbers.error().reason);
+    source.numbers = *numbers;
+    std::sort(source.numbers.begin(), source.numbers.end());
+    if (source.numbers.front() < -max_frame_number || source.numbers.back() > max_frame_number)
+      frames->fail("must be between -1e9 and 1e9");
+  } else if (node.find("first") || node.find("last")) {
+    source.first = number(node.require("first"));
+    source.last = number(node.require("last"));
+    if (*source.last < *source.first) node.require("last").fail("the last file is before the first");
+  }
+  if (const auto step = node.find("step")) {
+    source.step = number(*step, 1);
+    if (!source.first) step->fail("goes with \"first\" and \"last\"");
+  }
+  if (const auto offset = node.find("offset")) source.offset = number(*offset);
+  if (const auto gaps = node.find("gaps")) source.gaps = gaps->boolean();
   if (const auto cycle = node.find("cycle")) source.cycle = cycle->boolean();
   source.attributes = parse_attributes(node);
   source.stored = parse_stored_color(node);
@@ -157,7 +186,7 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   if (const auto color = node.find("color")) {
     if (color->is_array()) {
       source.color = color->vector3().cast<float>();
-      if (!source.color->allFinite()) color->fail("too large for single precision");
+      if (!(source.color->cwiseAbs().maxCoeff() <= most_color)) color->fail("must be between -1e30 and 1e30");
     } else {
       source.color_by_normals = color->one_of({"normals"}) == 0;
     }

@@ -18,45 +18,83 @@ struct Pattern {
   int digits = 1;
 };
 
-Result<Pattern> parse_pattern(const std::string& text) {
-  const Error none{text, "pattern", "needs one placeholder for the number, such as #### or %04d"};
-  const std::size_t begin = text.find_first_of("#%");
-  if (begin == text.npos) return none;
-  Pattern pattern;
-  pattern.before = text.substr(0, begin);
-  std::size_t end = begin;
+/// Where a placeholder ends, and how many digits it asks for, which may be more or fewer than there can be.
+struct Placeholder {
+  std::size_t end = 0;
+  int digits = 1;
+};
+
+/// The one that begins at `begin`, if any does.
+std::optional<Placeholder> placeholder_at(const std::string& text, std::size_t begin) {
+  const char* const last = text.data() + text.size();
+  const char* at = text.data() + begin + 1;
+  Placeholder found;
+  const auto end_at = [&](const char* end) {
+    found.end = static_cast<std::size_t>(end - text.data());
+    return found;
+  };
   if (text[begin] == '#') {
-    end = std::min(text.find_first_not_of('#', begin), text.size());
-    pattern.digits = static_cast<int>(std::min<std::size_t>(end - begin, kMostDigits + 1));
-  } else {
-    const char* const last = text.data() + text.size();
-    const char* at = text.data() + begin + 1;
+    found.end = std::min(text.find_first_not_of('#', begin), text.size());
+    found.digits = static_cast<int>(std::min<std::size_t>(found.end - begin, kMostDigits + 1));
+    return found;
+  }
+  if (text[begin] == '%') {
     // Only %d and %0Nd: widths filled with blanks make no file names.
     if (at != last && *at == '0') {
-      const auto [stop, code] = std::from_chars(at + 1, last, pattern.digits);
-      if (code != std::errc{}) return none;
+      const auto [stop, code] = std::from_chars(at + 1, last, found.digits);
+      if (code != std::errc{}) return std::nullopt;
       at = stop;
     }
-    if (at == last || *at != 'd') return none;
-    end = static_cast<std::size_t>(at + 1 - text.data());
+    if (at == last || *at != 'd') return std::nullopt;
+    return end_at(at + 1);
   }
-  if (pattern.digits < 1 || pattern.digits > kMostDigits) {
-    return Error{text, "pattern", "asks for fewer than 1 or more than 32 digits"};
+  // $F and $F4; $FF is Houdini's fraction of a frame.
+  if (text[begin] != '$' || at == last || *at != 'F') return std::nullopt;
+  ++at;
+  if (at != last && *at == 'F') return std::nullopt;
+  if (at != last && *at >= '0' && *at <= '9') {
+    const auto [stop, code] = std::from_chars(at, last, found.digits);
+    if (code != std::errc{}) return std::nullopt;
+    at = stop;
   }
-  pattern.after = text.substr(end);
-  if (pattern.after.find_first_of("#%") != std::string::npos) {
-    return Error{text, "pattern", "has more than one placeholder"};
-  }
-  return pattern;
+  return end_at(at);
 }
 
-std::string fill(const Pattern& pattern, int number) {
+/// Only in the file's own name: what a folder's says is no pattern, nor is a % that no number follows.
+Result<Pattern> parse_pattern(const std::string& text) {
+  const std::size_t name = text.rfind('/') + 1;  // npos + 1 is 0
+  std::optional<Pattern> pattern;
+  for (std::size_t i = name; i < text.size(); ++i) {
+    const std::optional<Placeholder> found = placeholder_at(text, i);
+    if (!found) continue;
+    if (pattern) return Error{text, "pattern", "has more than one placeholder"};
+    pattern = Pattern{text.substr(0, i), text.substr(found->end), found->digits};
+    i = found->end - 1;
+  }
+  if (!pattern)
+    return Error{text, "pattern", "needs one placeholder for the number, such as ####, %04d or $F4"};
+  if (pattern->digits < 1 || pattern->digits > kMostDigits)
+    return Error{text, "pattern", "asks for fewer than 1 or more than 32 digits"};
+  return *pattern;
+}
+
+/// `width` digits at least, and a minus sign before them where there is one.
+std::string fill(const Pattern& pattern, int number, int width) {
   const bool negative = number < 0;
   std::string digits = std::to_string(number).substr(negative ? 1 : 0);
-  // As printf has it, the sign takes the place of a digit.
-  const auto width = static_cast<std::size_t>(pattern.digits - (negative ? 1 : 0));
-  if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+  if (const auto wanted = static_cast<std::size_t>(width); digits.size() < wanted)
+    digits.insert(0, wanted - digits.size(), '0');
   return pattern.before + (negative ? "-" : "") + digits + pattern.after;
+}
+
+/// As printf has it, where the sign takes the place of a digit.
+std::string fill(const Pattern& pattern, int number) {
+  return fill(pattern, number, pattern.digits - (number < 0 ? 1 : 0));
+}
+
+/// As others have it.
+std::string fill_beside_sign(const Pattern& pattern, int number) {
+  return fill(pattern, number, pattern.digits);
 }
 
 /// Takes a whole number off the front of `text`.
@@ -109,9 +147,6 @@ Result<std::vector<NumberedFile>> list_sequence(const std::string& pattern) {
   const Result<Pattern> parsed = parse_pattern(pattern);
   if (!parsed) return parsed.error();
   const std::size_t slash = parsed->before.find_last_of('/');
-  if (parsed->after.find('/') != std::string::npos) {
-    return Error{pattern, "pattern", "must have its placeholder in the name of the file, not of a folder"};
-  }
   const std::string folder = slash == std::string::npos ? "" : parsed->before.substr(0, slash + 1);
   const std::string before = parsed->before.substr(folder.size());
 
@@ -129,14 +164,55 @@ Result<std::vector<NumberedFile>> list_sequence(const std::string& pattern) {
     middle.remove_suffix(parsed->after.size());
     const auto number = take_number(middle);
     // Only names that the pattern itself would give: 7 and 0007 are not the same file.
-    if (!number || !middle.empty() || fill(*parsed, *number) != folder + name) continue;
-    files.push_back({*number, folder + name});
+    if (!number || !middle.empty()) continue;
+    const std::string path = folder + name;
+    if (fill(*parsed, *number) != path && fill_beside_sign(*parsed, *number) != path) continue;
+    files.push_back({*number, path});
   }
   if (code) return Error{pattern, "", "its folder cannot be read"};
   if (files.empty()) return Error{pattern, "", "no such file"};
   std::sort(files.begin(), files.end(),
             [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
+  const auto same = std::adjacent_find(files.begin(), files.end(),
+                                       [](const auto& a, const auto& b) { return a.number == b.number; });
+  if (same != files.end())
+    return Error{
+        pattern, "",
+        "both " + same->path + " and " + (same + 1)->path + " are its file " + std::to_string(same->number)};
   return files;
+}
+
+bool is_sequence_pattern(const std::string& path) {
+  for (std::size_t i = path.rfind('/') + 1; i < path.size(); ++i)
+    if (placeholder_at(path, i)) return true;
+  return false;
+}
+
+Result<std::string> find_in_sequence(const std::string& pattern, int number) {
+  const Result<Pattern> parsed = parse_pattern(pattern);
+  if (!parsed) return parsed.error();
+  std::string path = fill(*parsed, number);
+  if (number >= 0) return path;
+  std::error_code code;
+  std::string other = fill_beside_sign(*parsed, number);
+  return std::filesystem::exists(path, code) || !std::filesystem::exists(other, code) ? path : other;
+}
+
+std::string frame_ranges_text(const std::vector<int>& frames) {
+  std::string text;
+  const auto gap = [&](std::size_t i) { return static_cast<long long>(frames[i]) - frames[i - 1]; };
+  for (std::size_t begin = 0, end = 0; begin < frames.size(); begin = end) {
+    end = begin + 1;
+    const long long step = end < frames.size() ? gap(end) : 1;
+    while (end < frames.size() && gap(end) == step) ++end;
+    if (end - begin == 2 && step != 1) end = begin + 1;
+    if (!text.empty()) text += ',';
+    text += std::to_string(frames[begin]);
+    if (end - begin == 1) continue;
+    text += '-' + std::to_string(frames[end - 1]);
+    if (step != 1) text += 'x' + std::to_string(step);
+  }
+  return text;
 }
 
 Result<std::vector<int>> parse_frame_ranges(std::string_view text) {

@@ -1,6 +1,7 @@
 // Which files an object's points are in while the shutter is open. For splat/io's own sources.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "splat/io/cloud_source.h"
@@ -8,10 +9,14 @@
 
 namespace swept::io {
 
+struct SourceFiles {
+  std::vector<KeyFile> files;
+  std::string note;  ///< which files there are, where that was looked up; empty: it was said
+};
+
 /// The files that hold the points over [first, last]: both of a pair, and of a sequence those at or before,
 /// at or after, and between; none of a generator. They all exist. The error's field is the member of the
 /// source that is at fault, or empty.
-[[nodiscard]] Result<std::vector<KeyFile>> source_files(const ObjectSource& source, double first,
-                                                        double last);
+[[nodiscard]] Result<SourceFiles> source_files(const ObjectSource& source, double first, double last);
 
 }  // namespace swept::io

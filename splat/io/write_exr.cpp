@@ -2,6 +2,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,7 +63,36 @@ Status check(const ImageMetadata& metadata) {
     return Error{"", "shutter", "must be finite and not close before it opens"};
   }
   if (!metadata.world_to_camera.allFinite()) return Error{"", "world_to_camera", "must be finite"};
+  if (!(metadata.tan_half_fov_y >= 0.0) || !std::isfinite(metadata.tan_half_fov_y))
+    return Error{"", "tan_half_fov_y", "must be finite and not negative"};
+  if (!(metadata.near > 0.0) || !std::isfinite(metadata.near)) return Error{"", "near", "must be above 0"};
   return Done{};
+}
+
+/// For row vectors.
+Imath::M44f row_matrix(const Eigen::Matrix4d& matrix) {
+  Imath::M44f transposed;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column)
+      transposed[column][row] = static_cast<float>(matrix(row, column));
+  return transposed;
+}
+
+void add_camera(Imf::Header& header, const Image& image, const ImageMetadata& metadata) {
+  const Eigen::Vector4d y_up(1.0, -1.0, 1.0, 1.0);
+  Imf::addWorldToCamera(header, row_matrix(y_up.asDiagonal() * metadata.world_to_camera));
+  if (metadata.tan_half_fov_y == 0.0) return;
+  const double height = 2.0 * metadata.tan_half_fov_y, width = height * image.film_width / image.film_height;
+  Eigen::Matrix4d ndc_from_camera;                // axes as in Swept; w is the depth
+  ndc_from_camera << 1.0 / width, 0.0, 0.5, 0.0,  //
+      0.0, 1.0 / height, 0.5, 0.0,                //
+      0.0, 0.0, 1.0, -metadata.near,              //
+      0.0, 0.0, 1.0, 0.0;
+  Imf::addWorldToNDC(header, row_matrix(ndc_from_camera * metadata.world_to_camera));
+  header.screenWindowWidth() = static_cast<float>(width);
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  header.insert("fieldOfView",
+                Imf::FloatAttribute(static_cast<float>(2.0 * std::atan(0.5 * width) * degrees)));
 }
 
 Imf::Header header_of(const Image& image, const ImageMetadata& metadata) {
@@ -81,13 +111,7 @@ Imf::Header header_of(const Image& image, const ImageMetadata& metadata) {
       Imf::FloatAttribute(static_cast<float>(360.0 * (metadata.shutter_close - metadata.shutter_open))));
   header.insert("shutterOpen", Imf::DoubleAttribute(metadata.shutter_open));
   header.insert("shutterClose", Imf::DoubleAttribute(metadata.shutter_close));
-  Imath::M44f world_to_camera;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      world_to_camera[column][row] = static_cast<float>(metadata.world_to_camera(row, column));
-    }
-  }
-  Imf::addWorldToCamera(header, world_to_camera);
+  add_camera(header, image, metadata);
   for (const auto& [name, text] : {std::pair{"sceneHash", &metadata.scene_hash},
                                    {"method", &metadata.method},
                                    {"software", &metadata.software}})
@@ -128,20 +152,20 @@ void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata&
 
 }  // namespace
 
-Status write_exr(const std::string& path, const Image& image, const ImageMetadata& metadata,
-                 ExrPixels pixels) {
+Status write_exr(const std::string& path, const Image& image, const ImageMetadata& metadata, ExrPixels pixels,
+                 IfExists existing) {
   for (const Status& status : {image.validate(), check(metadata)}) {
     if (!status) return Error{path, status.error().field, status.error().reason};
   }
-  Result<AtomicFile> file = AtomicFile::create(path);
-  if (!file) return file.error();
   try {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    if (!file) return file.error();
     FileStream stream(path, file->stream());
     write_pixels(stream, image, metadata, pixels);
+    return file->commit(existing);
   } catch (const std::exception& problem) {
     return Error{path, "", std::string("cannot be written: ") + problem.what()};
   }
-  return file->commit();
 }
 
 }  // namespace swept

@@ -5,6 +5,7 @@
 #include <png.h>
 
 #include "splat/io/atomic_file.h"
+#include "splat/io/guarded.h"
 #include "splat/io/image_file.h"
 #include "splat/srgb.h"
 
@@ -25,12 +26,7 @@ std::vector<std::uint8_t> bytes_of(const Image& image) {
   return bytes;
 }
 
-}  // namespace
-
-Status write_png(const std::string& path, const Image& image) {
-  if (const Status status = image.validate(); !status) {
-    return Error{path, status.error().field, status.error().reason};
-  }
+Status write(const std::string& path, const Image& image, IfExists existing) {
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
 
@@ -44,7 +40,16 @@ Status write_png(const std::string& path, const Image& image) {
   if (png_image_write_to_stdio(&header, file->stream(), 0, bytes.data(), 0, nullptr) == 0) {
     return Error{path, "", std::string("cannot be written: ") + header.message};
   }
-  return file->commit();
+  return file->commit(existing);
+}
+
+}  // namespace
+
+Status write_png(const std::string& path, const Image& image, IfExists existing) {
+  if (const Status status = image.validate(); !status) {
+    return Error{path, status.error().field, status.error().reason};
+  }
+  return io::guarded(path, [&] { return write(path, image, existing); });
 }
 
 }  // namespace swept

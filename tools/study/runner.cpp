@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "splat/io/image_file.h"
+#include "tools/console.h"
 #include "tools/progress.h"
 #include "tools/study/difference_map.h"
 #include "tools/study/worker.h"
@@ -104,7 +105,7 @@ void Runner::report(const Task& task, const Cell& cell) {
   const bool known = renders_ <= planned_;
   const std::string place = known ? fmt::format("{}/{}", renders_, planned_) : std::to_string(renders_);
   const std::string left = known ? fmt::format(", about {} left", clock_text(seconds_left())) : "";
-  fmt::print(stderr, "{}  {}: {}: {}  ({} gone{})\n", place, task.variant.id, name, what, clock_text(gone),
+  log("{}  {}: {}: {}  ({} gone{})\n", place, task.variant.id, name, what, clock_text(gone),
              left);
 }
 

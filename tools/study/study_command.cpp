@@ -18,6 +18,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "splat/io/atomic_file.h"
+#include "tools/console.h"
 #include "tools/progress.h"
 #include "tools/study/document.h"
 #include "tools/study/plan.h"
@@ -86,12 +87,14 @@ class Study {
   }
 
   [[nodiscard]] std::size_t failed() const { return failed_; }
+  [[nodiscard]] std::size_t cells() const { return cells_; }
 
  private:
   Status run(const std::vector<Task>& tasks, std::vector<Task>& done) {
     for (const Task& task : tasks) {
       if (const Status ran = runner_.run(task); !ran) return ran;
       done.push_back(task);
+      cells_ += task.settings.size();
       for (const Setting& setting : task.settings)
         failed_ += runner_.cell(task, setting).error.empty() ? 0 : 1;
       // What there is can be looked at while the rest is rendered.
@@ -117,7 +120,7 @@ class Study {
   StudyHeader header_;
   StudyPlan done_;
   std::vector<Table1Row> table1_;
-  std::size_t failed_ = 0;
+  std::size_t failed_ = 0, cells_ = 0;
   Clock::time_point start_ = Clock::now();
 };
 
@@ -136,7 +139,7 @@ int study(StudyArguments& arguments) {
   complete(arguments);
   const std::string& folder = arguments.options.runner.folder;
   const auto fail = [](const Error& error) {
-    fmt::print(stderr, "swept study: {}\n", error.message());
+    log("swept study: {}\n", error.message());
     return 1;
   };
   std::error_code code;
@@ -145,9 +148,10 @@ int study(StudyArguments& arguments) {
   if (arguments.fresh) std::filesystem::remove_all(folder + "/data", code);
   Study run(arguments);
   if (const Status done = run.run(); !done) return fail(done.error());
-  if (run.failed() > 0) fmt::print(stderr, "{} cells failed; the report says why\n", run.failed());
+  if (run.failed() > 0) log("{} of {} cells failed; the report says why\n", run.failed(), run.cells());
   fmt::print("{}\n", folder + "/report.html");
-  return 0;
+  // A method that this machine lacks is a result. A study of nothing else is none.
+  return run.cells() > 0 && run.failed() == run.cells() ? 1 : 0;
 }
 
 std::vector<std::string> method_ids() {

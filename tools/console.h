@@ -1,0 +1,28 @@
+// What the commands say. Data goes to stdout by fmt::print, and main() sees to it that it arrives; all else
+// goes to stderr by these.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace swept {
+
+/// To stderr. That it cannot be written is no reason to lose a frame.
+template <class... Args>
+void log(fmt::format_string<Args...> format, Args&&... args) {
+  const std::string text = fmt::format(format, std::forward<Args>(args)...);
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
+/// Makes stdin, stdout and stderr safe to use whatever the caller left of them, and signals that end the
+/// process take its unfinished files away first. Once, before anything is opened.
+void prepare_console();
+
+/// Whether all that was written to stdout arrived. Says so on stderr if not.
+[[nodiscard]] bool finish_console();
+
+}  // namespace swept
