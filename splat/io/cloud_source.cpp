@@ -106,7 +106,7 @@ void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded
 }
 
 /// The rest of what the first key says, after its discs are taken.
-LoadedCloud first_key(PointSet set, EstimatedSurfels discs, double frame, const CloudSource& source) {
+Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame, const CloudSource& source) {
   LoadedCloud loaded;
   loaded.report = std::move(set.report);
   loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
@@ -260,7 +260,9 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   still.velocity.clear();
   Result<EstimatedSurfels> nearest_discs = discs_of(still, source);
   if (!nearest_discs) return in_file(nearest_discs.error(), nearest.path);
-  LoadedCloud loaded = first_key(std::move(still), *nearest_discs, nearest.frame, source);
+  Result<LoadedCloud> first = first_key(std::move(still), *nearest_discs, nearest.frame, source);
+  if (!first) return in_file(first.error(), nearest.path);
+  LoadedCloud loaded = *std::move(first);
   SurfelCloud& cloud = loaded.cloud;
   cloud.keys.clear();
   loaded.report.assumed.push_back("points of several files are the same by id");
