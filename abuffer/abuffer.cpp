@@ -39,6 +39,8 @@ struct Counters {
     sweep.evaluations += other.sweep.evaluations;
     sweep.hidden += other.sweep.hidden;
     sweep.revealed += other.sweep.revealed;
+    sweep.merged += other.sweep.merged;
+    sweep.retried += other.sweep.retried;
     sweep.shortest += other.sweep.shortest;
   }
 };
@@ -189,6 +191,8 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("pixels_swept", static_cast<double>(c.swept_pixels));
   s.count("intervals", static_cast<double>(c.sweep.intervals));
   s.count("intervals_per_swept_pixel", static_cast<double>(c.sweep.intervals) / swept);
+  s.count("intervals_merged", static_cast<double>(c.sweep.merged));
+  s.count("intervals_retried", static_cast<double>(c.sweep.retried));
   s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
   s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
   s.count("intervals_at_shortest", static_cast<double>(c.sweep.shortest));
