@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "abuffer/parallel.h"
+#include "splat/motion/instant.h"
 
 namespace swept {
 namespace {
@@ -279,10 +280,11 @@ PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) cons
           lanes[p]};
 }
 
-std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure) {
+std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.cloud.size() > 0) objects.push_back(pack(object, exposure));
+    if (object.cloud.size() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
+      objects.push_back(pack(object, exposure));
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());
   parallel_for_each_index(objects.size(),
