@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include <abuffer/abuffer.h>
+#include <abuffer/sampled.h>
 #ifdef WITH_GPU
 #include <gpu_passes/gpu_renderer.h>
 #endif
@@ -21,7 +22,9 @@ int main(int argc, char** argv) {
   scene.objects.emplace_back().cloud.keys.push_back({0.0, disc});
   scene.objects.back().cloud.velocity = {{1, 0, 0}};
 
-  const swept::Result<swept::Rendered> rendered = swept::render_abuffer(scene);
+  const swept::Result<swept::Rendered> exact = swept::render_abuffer(scene);
+  if (!exact) return std::fprintf(stderr, "%s\n", exact.error().message().c_str()), 1;
+  const swept::Result<swept::Rendered> rendered = swept::render_sampled(scene);
   if (!rendered) return std::fprintf(stderr, "%s\n", rendered.error().message().c_str()), 1;
   const swept::Status written = swept::write_exr(argv[1], rendered->image);
   if (!written) return std::fprintf(stderr, "%s\n", written.error().message().c_str()), 1;
