@@ -74,6 +74,9 @@ class Renderer {
       : scene_(scene), options_(options), control_(control), exposure_(scene.exposure()) {}
 
   Result<Rendered> render() {
+    const std::size_t bytes = packed_bytes(scene_, exposure_);
+    if (control_.max_bytes > 0 && bytes > control_.max_bytes)
+      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
     Stopwatch watch;
     Rendered out;
     const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
@@ -214,6 +217,7 @@ class Renderer {
       worst = std::max(worst, results_[i].squares / (3.0 * area));
     }
     s.count("surfels", surfels);
+    s.count("packed_bytes", static_cast<double>(packed_bytes(scene_, exposure_)));
     s.count("packets", packets);
     s.count("instants", static_cast<double>(total.instants));
     s.count("instants_per_pixel", instants / std::max(1.0, px));

@@ -280,6 +280,20 @@ PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) cons
           lanes[p]};
 }
 
+std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
+  std::size_t bytes = 0;
+  for (const Object& object : scene.objects) {
+    if (object.cloud.size() == 0) continue;
+    const std::size_t poses = pose_frames(object.cloud, exposure).size();
+    const std::size_t turning = object.cloud.keys.size() == 1 ? 1 : poses;
+    const std::size_t packets = (object.cloud.size() + packet_size - 1) / packet_size;
+    const std::size_t a_lane = sizeof(float) * (3 * poses + 6 * turning + 4) + sizeof(std::uint32_t);
+    bytes += packets *
+             (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) + sizeof(std::uint32_t));
+  }
+  return bytes;
+}
+
 std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
