@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <tbb/blocked_range.h>
@@ -13,8 +14,10 @@
 #include "abuffer/render_valid.h"
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
+#include "abuffer/sampled.h"
 #include "abuffer/tiles/bins.h"
 #include "splat/kernel/kernel_set.h"
+#include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -39,6 +42,8 @@ struct Counters {
     sweep.evaluations += other.sweep.evaluations;
     sweep.hidden += other.sweep.hidden;
     sweep.revealed += other.sweep.revealed;
+    sweep.merged += other.sweep.merged;
+    sweep.retried += other.sweep.retried;
     sweep.shortest += other.sweep.shortest;
   }
 };
@@ -47,14 +52,17 @@ struct Counters {
 class TileRenderer {
  public:
   TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
-               const AbufferOptions& options, Image& image)
+               const AbufferOptions& options, const Image* standing, Image& image)
       : set_(set),
         shades_(shades),
         background_(scene.background.cast<double>()),
         raster_{set.projection, set.near, scene.model.delta},
         fragment_limit_(options.tile_fragments),
+        standing_(standing),
         image_(image),
+        per_pixel_(options.normalisation == Normalisation::pixel),
         still_(SurfaceModel(scene.model, options.normalisation)),
+        still_by_interval_(SurfaceModel(scene.model)),
         sweep_(SurfaceModel(scene.model, options.normalisation),
                options.simd ? interval_math_builds().back() : interval_math_builds().front()) {}
 
@@ -138,16 +146,40 @@ class TileRenderer {
             sweep_.resolve(fragments_, shades_, indices, count, pixel, counters.sweep);
           } else {
             ++counters.still_pixels;
-            still_.resolve(fragments_, shades_, indices, count, pixel);
+            if (standing_ == nullptr || per_pixel_)
+              still_.resolve(fragments_, shades_, indices, count, pixel);
+            if (standing_ != nullptr) {
+              store_standing(x, y, pixel, indices, count);
+              continue;
+            }
           }
         }
         store(x, y, pixel);
       }
   }
 
+  [[nodiscard]] std::size_t index_of(int x, int y) const {
+    return static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) +
+           static_cast<std::size_t>(x - image_.x);
+  }
+
+  /// Alpha and depth do not depend on the normalisation, nor does the colour of a single surface.
+  void store_standing(int x, int y, const PixelSum& pixel, std::uint32_t* indices, std::size_t count) {
+    const std::size_t i = index_of(x, y);
+    store(x, y, pixel);
+    image_.depth[i] = standing_->depth[i];
+    image_.rgba[4 * i + 3] = standing_->rgba[4 * i + 3];
+    if (per_pixel_) {
+      PixelSum by_interval;
+      still_by_interval_.resolve(fragments_, shades_, indices, count, by_interval);
+      for (int c = 0; c < 3; ++c)
+        if (by_interval.rgba[c] != pixel.rgba[c]) return;
+    }
+    for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * i + c] = standing_->rgba[4 * i + c];
+  }
+
   void store(int x, int y, const PixelSum& pixel) {
-    const std::size_t i =
-        static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) + (x - image_.x);
+    const std::size_t i = index_of(x, y);
     const double left = std::max(0.0, 1.0 - pixel.rgba[3]);
     for (int c = 0; c < 4; ++c)
       image_.rgba[4 * i + c] = static_cast<float>(pixel.rgba[c] + left * background_[c]);
@@ -160,8 +192,10 @@ class TileRenderer {
   Eigen::Vector4d background_;
   RasterModel raster_;
   std::size_t fragment_limit_;
+  const Image* standing_;  ///< what does not move, where that is known; else null
   Image& image_;
-  StillPixel still_;
+  bool per_pixel_;
+  StillPixel still_, still_by_interval_;
   PixelSweep sweep_;
   std::vector<BoundedKernel> octagons_;
   FragmentArrays fragments_;
@@ -189,6 +223,8 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
   s.count("pixels_swept", static_cast<double>(c.swept_pixels));
   s.count("intervals", static_cast<double>(c.sweep.intervals));
   s.count("intervals_per_swept_pixel", static_cast<double>(c.sweep.intervals) / swept);
+  s.count("intervals_merged", static_cast<double>(c.sweep.merged));
+  s.count("intervals_retried", static_cast<double>(c.sweep.retried));
   s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
   s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
   s.count("intervals_at_shortest", static_cast<double>(c.sweep.shortest));
@@ -199,7 +235,37 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
                               : "motion blur: skipped, nothing moves during the exposure");
 }
 
+/// What stands still, by the engine that makes still images: whatever they are part of, they have the same
+/// bits.
+Result<Rendered> render_standing(const Scene& scene, const AbufferOptions& options) {
+  SampledOptions instant;
+  instant.samples = 1;
+  instant.only_standing = true;
+  if (!options.simd) instant.implementation = 0;
+  RenderControl control;
+  control.threads = options.threads;
+  return render_sampled(scene, instant, control);
+}
+
+/// A scene in which nothing moves. What the sweep counts did not happen.
+Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options) {
+  Result<Rendered> rendered = render_standing(scene, options);
+  if (!rendered) return rendered;
+  Statistics& s = rendered->statistics;
+  const std::vector<float>& depth = rendered->image.depth;
+  s.count("pixels_still", static_cast<double>(std::count_if(depth.begin(), depth.end(), [](float z) {
+            return z < std::numeric_limits<float>::infinity();
+          })));
+  for (const char* name : {"kernels", "kernels_edge_on", "kernels_at_near_plane", "culled_degenerate",
+                           "fragments", "pixels_swept", "intervals", "intervals_cut_by_crossings",
+                           "intervals_subdivided", "intervals_at_shortest", "integrals", "hidden_revealed"})
+    s.count(name, 0.0);
+  return rendered;
+}
+
 Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options) {
+  const bool per_interval = options.normalisation == Normalisation::interval;
+  if (per_interval && nothing_moves(scene, scene.exposure())) return render_still(scene, options);
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -213,12 +279,21 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   for (const MovingKernel& k : set.kernels)
     shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
   out.statistics.time("bins", watch.lap());
+  // Points that stand still in a cloud that moves are not in it, and then it is of no use.
+  std::optional<Image> standing;
+  if (set.standing_kernels > 0 && set.standing_kernels == set.still_kernels) {
+    Result<Rendered> rendered = render_standing(scene, options);
+    if (!rendered) return rendered;
+    standing = std::move(rendered->image);
+    out.statistics.time("what stands still", watch.lap());
+  }
 
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   Counters total;
   arena.execute([&] {
-    tbb::enumerable_thread_specific<TileRenderer> renderers(
-        [&] { return TileRenderer(scene, set, shades, options, out.image); });
+    tbb::enumerable_thread_specific<TileRenderer> renderers([&] {
+      return TileRenderer(scene, set, shades, options, standing ? &*standing : nullptr, out.image);
+    });
     parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
       TileRenderer& renderer = renderers.local();
       for (std::size_t tile = range.begin(); tile != range.end(); ++tile)

@@ -76,7 +76,7 @@ class Renderer {
   Result<Rendered> render() {
     Stopwatch watch;
     Rendered out;
-    const std::vector<PointPackets> objects = pack_points(scene_, exposure_);
+    const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
     out.statistics.time("packets", watch.lap());
     const PacketBins bins(scene_, exposure_, objects);
     out.statistics.time("bins", watch.lap());

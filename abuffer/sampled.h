@@ -17,6 +17,8 @@ struct SampledOptions {
   double max_error_db = 60.0;
   /// The same for every cell of 64 × 64 px by itself, besides; 0: not asked for. [0, 150]
   double max_cell_error_db = 0.0;
+  /// Leaves out every object that moves during the exposure, by itself or because the camera does.
+  bool only_standing = false;
   /// Implementation of sampled_math.h to use, 0 being the plain loops that define the others; −1: the widest.
   /// Changes no bit.
   int implementation = -1;

@@ -66,30 +66,25 @@ Status SurfelCloud::validate() const {
   return Done{};
 }
 
-SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame) {
-  assert(i < cloud.size());
-  const auto held = [i](const SurfelKey& key) {
-    return SurfelInstant{key.pose.position[i], key.pose.axis_u[i].cast<double>(),
-                         key.pose.axis_v[i].cast<double>()};
-  };
+SurfelsAt::SurfelsAt(const SurfelCloud& cloud, double frame) : before_(&cloud.keys.front().pose) {
   const std::vector<SurfelKey>& keys = cloud.keys;
   if (keys.size() == 1) {
-    SurfelInstant at = held(keys.front());
-    if (!cloud.velocity.empty()) {
-      at.position += (frame - keys.front().frame) * cloud.velocity[i].cast<double>();
-    }
-    return at;
+    if (!cloud.velocity.empty()) velocity_ = cloud.velocity.data();
+    elapsed_ = frame - keys.front().frame;
+    return;
   }
   const auto after = std::upper_bound(keys.begin(), keys.end(), frame,
                                       [](double f, const SurfelKey& key) { return f < key.frame; });
-  if (after == keys.begin()) return held(keys.front());
-  if (after == keys.end()) return held(keys.back());
+  if (after == keys.begin()) return;
+  before_ = &(after - 1)->pose;
+  if (after == keys.end()) return;
+  after_ = &after->pose;
+  t_ = (frame - (after - 1)->frame) / (after->frame - (after - 1)->frame);
+}
 
-  // a + t (b − a): a point equal in both keys stays there to the bit.
-  const SurfelInstant a = held(*(after - 1)), b = held(*after);
-  const double t = (frame - (after - 1)->frame) / (after->frame - (after - 1)->frame);
-  return {a.position + t * (b.position - a.position), a.axis_u + t * (b.axis_u - a.axis_u),
-          a.axis_v + t * (b.axis_v - a.axis_v)};
+SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame) {
+  assert(i < cloud.size());
+  return SurfelsAt(cloud, frame)[i];
 }
 
 void align_axes(const SurfelPose& reference, SurfelPose& moving) {

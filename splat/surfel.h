@@ -59,6 +59,31 @@ struct SurfelInstant {
 };
 [[nodiscard]] SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame);
 
+/// The same for many points of one cloud, which must outlive it: what does not depend on the point is found
+/// once.
+class SurfelsAt {
+ public:
+  SurfelsAt(const SurfelCloud& cloud, double frame);
+
+  [[nodiscard]] SurfelInstant operator[](std::size_t i) const {
+    SurfelInstant at{before_->position[i], before_->axis_u[i].cast<double>(),
+                     before_->axis_v[i].cast<double>()};
+    if (velocity_ != nullptr) at.position += elapsed_ * velocity_[i].cast<double>();
+    if (after_ == nullptr) return at;
+    // a + t (b − a): a point equal in both keys stays there to the bit.
+    at.position += t_ * (after_->position[i] - at.position);
+    at.axis_u += t_ * (after_->axis_u[i].cast<double>() - at.axis_u);
+    at.axis_v += t_ * (after_->axis_v[i].cast<double>() - at.axis_v);
+    return at;
+  }
+
+ private:
+  const SurfelPose* before_;
+  const SurfelPose* after_ = nullptr;  ///< null: nothing is interpolated
+  const Eigen::Vector3f* velocity_ = nullptr;
+  double t_ = 0.0, elapsed_ = 0.0;
+};
+
 /// Rotates each (axis_u, axis_v) of `moving` within its own plane, in place, to lie as near as it can
 /// to that of `reference` (orthogonal Procrustes in (u, v), rotations only). The discs stay the same; what
 /// changes is that interpolating between the two no longer turns or collapses them. Sizes must agree.

@@ -82,7 +82,7 @@ TEST_F(Command, BadArgumentsExitWith2AndLeaveNothing) {
       {"render", "{}scene.json", "-o", "{}a.##.exr", "--frames", "1-3", "--preview", "{}a.png"},
       {"render", "{}scene.json", "-o", "{}a.%s.exr", "--frames", "1-3"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--method", "guess"},
-      {"render", "{}scene.json", "-o", "{}a.exr", "--samples", "4"},
+      {"render", "{}scene.json", "-o", "{}a.exr", "--exact", "--samples", "4"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--normalisation", "frame"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--normalisation", "pixel", "--method", "reference"},
       {"render", "{}scene.json", "-o", "{}a.exr", "--reference-motion", "smooth"},
@@ -274,7 +274,7 @@ TEST_F(Command, WhatIsNotTheFrameIsNotSkipped) {
     EXPECT_EQ(content_of(folder_ / "f.1.exr"), foreign.content) << foreign.name;
   }
   put(folder_ / "f.1.exr", first);
-  EXPECT_NE(with({"--skip-existing", "--method", "reference"}).err.find("was rendered by abuffer"),
+  EXPECT_NE(with({"--skip-existing", "--method", "reference"}).err.find("was rendered by sampled"),
             std::string::npos);
   EXPECT_EQ(with({"--skip-existing", "--delta", "4"}).exit_code, 1);
   // An empty file holds nothing.
@@ -302,7 +302,7 @@ TEST_F(Command, InfoAndRenderSayTheSameHash) {
   ASSERT_TRUE(origin.ok());
   EXPECT_EQ(info["hash"], origin->scene_hash);
   EXPECT_EQ(json::parse(content_of(folder_ / "s.json"))["frames"][0]["scene_hash"], origin->scene_hash);
-  EXPECT_EQ(origin->method, "abuffer");
+  EXPECT_EQ(origin->method, "sampled to 60 dB");
 }
 
 TEST_F(Command, AFailedFrameKeepsThoseBeforeIt) {

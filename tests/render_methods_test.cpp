@@ -17,7 +17,7 @@ std::string legal_text(const MethodOption& option) {
     case MethodOption::Kind::word:
       return std::string(option.words.back());
     case MethodOption::Kind::text:
-      return "anything";
+      return option.example.empty() ? "anything" : std::string(option.example);
     case MethodOption::Kind::flag:
       return "";
     default:
@@ -63,8 +63,12 @@ TEST(RenderMethods, WhatIsInTheImageIsInItsName) {
     const Result<PreparedMethod> method = prepared(line);
     return method ? method->picture : method.error().message();
   };
-  EXPECT_EQ(picture(""), "abuffer");
-  EXPECT_NE(picture("--normalisation pixel"), picture(""));
+  EXPECT_EQ(picture(""), "sampled to 60 dB");
+  EXPECT_EQ(picture("--exact"), "abuffer");
+  EXPECT_EQ(picture("--max-error 0.01"), "sampled to 40 dB");
+  EXPECT_NE(picture("--max-cell-error 50dB"), picture(""));
+  EXPECT_NE(picture("--samples 9"), picture("--samples 8"));
+  EXPECT_NE(picture("--exact --normalisation pixel"), picture("--exact"));
   EXPECT_EQ(picture("--method reference --samples 8 --reference-motion smooth"), "reference 8 smooth");
   EXPECT_EQ(picture("--method gpu --subframes 3 --lookup-tables"), "gpu 3 tables");
   EXPECT_EQ(picture("--method gpu-still --subframes 3"), "gpu-still 3");
@@ -75,6 +79,9 @@ TEST(RenderMethods, ValuesOutOfRangeAreParseErrors) {
                            "--method sampled --samples 0", "--samples x", "--normalisation frame"})
     EXPECT_THROW((void)prepared(line), CLI::ParseError) << line;
   EXPECT_EQ(prepared("--method reference --samples 3").ok(), false) << "an odd number";
+  for (const char* line : {"--max-error 0", "--max-error 60", "--max-error -1dB", "--max-error 151dB",
+                           "--max-error dB", "--max-cell-error 1", "--max-error 50dB --samples 3"})
+    EXPECT_FALSE(prepared(line).ok()) << line;
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST_F(StudyCommand, GoesOnWhereItWas) {
   // One render, of that cell.
   const std::string text = log();
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-  EXPECT_NE(text.find("8 stills"), std::string::npos) << text;
+  EXPECT_NE(text.find("8 instants"), std::string::npos) << text;
   // The same figures; only the times are new.
   json before = json::parse(lost), after = json::parse(content_of(cell_path("sampled-8")));
   for (json* cell : {&before, &after})

@@ -117,6 +117,7 @@ TEST_F(TextLayoutsTest, WhatWasGuessedIsSaid) {
   said("a.xyz", "1 2 3 200 100 50\n", "columns 4 to 6 are colours");
   said("a.xyz", "1 2 3 200 100 50\n", "colours from 0 to 255, sRGB");
   said("b.xyz", "1 2 3 0 0 1\n", "columns 4 to 6 are normals");
+  said("z.xyz", "1 2 3 0 0 0\n4 5 6 0 0 0\n", "all are zero");
   said("c.xyz", "1 2 3 17\n", "column 4 is an intensity");
   said("c.xyz", "1 2 3 17\n", "intensities from 0 to 255, sRGB");
   said("d.xyz", "# x y z time\n1 2 3\n", "4 names for 3 columns");

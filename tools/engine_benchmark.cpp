@@ -2,7 +2,9 @@
 // and reaches.
 //
 // Usage: swept_engine_benchmark FOLDER [--threads N] [--reference N] [--scenes NAME,…] [--files SCENE.json,…]
-// FOLDER keeps the reference images, and is used again. Times are of the process, all threads together.
+//                               [--abuffer] [--rays N]
+// FOLDER keeps the reference images, and is used again. Times are CPU seconds of the process, all threads
+// together.
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -17,12 +19,14 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "abuffer/abuffer.h"
 #include "abuffer/sampled.h"
 #include "datasets/generators.h"
 #include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
 #include "tools/engine_scenes.h"
+#include "tools/study/raycast.h"
 
 namespace swept {
 namespace {
@@ -67,8 +71,29 @@ std::optional<double> time_to(const std::vector<Timed>& curve, double db) {
   return std::nullopt;
 }
 
+struct Others {
+  bool abuffer = false;
+  int rays = 0;  ///< of Embree a pixel; 0: none
+};
+
+/// What another renderer takes and reaches, and that time over the engine's to the same PSNR.
+template <class Render>
+void print_other(const Render& render, const Image& reference, const std::vector<Timed>& curve) {
+  const double start = cpu_seconds();
+  const Result<Rendered> rendered = render();
+  const double seconds = cpu_seconds() - start;
+  if (!rendered) return fmt::print(" {} |", rendered.error().message());
+  const auto metrics = compare_images(rendered->image, reference);
+  const double db = metrics ? metrics->psnr_db : 0.0;
+  const auto same = time_to(curve, db);
+  const std::string ratio = same ? fmt::format(", {:.1f}", seconds / *same) : "";
+  const auto sixty = time_to(curve, 60.0);
+  fmt::print(" {:.1f} dB, {:.2f} s{}{} |", db, seconds, ratio,
+             sixty ? fmt::format(", {:.1f}", seconds / *sixty) : std::string());
+}
+
 int run_scene(const std::string& name, const Scene& scene, const std::string& folder, int reference_instants,
-              const RenderControl& control) {
+              const RenderControl& control, const Others& others) {
   const std::string path = fmt::format("{}/{}-{}.exr", folder, name, reference_instants);
   Result<Image> reference = read_exr(path);
   if (!reference) {
@@ -117,6 +142,17 @@ int run_scene(const std::string& name, const Scene& scene, const std::string& fo
     fmt::print(" {:.1f} ({:.1f}), {:.2f} s, {:.1f}{} |", point->psnr_db, point->expected_db, point->seconds,
                point->instants, uniform ? fmt::format(", {:.2f}", point->seconds / *uniform) : "");
   }
+  if (others.abuffer) {
+    AbufferOptions exact;
+    exact.threads = control.threads;
+    print_other([&] { return render_abuffer(scene, exact); }, *reference, curve);
+  }
+  if (others.rays > 0) {
+    RaycastOptions rays;
+    rays.samples = others.rays;
+    rays.threads = control.threads;
+    print_other([&] { return render_raycast(scene, rays); }, *reference, curve);
+  }
   fmt::print("\n");
   std::fflush(stdout);
   return 0;
@@ -134,27 +170,34 @@ int run(int argc, char** argv) {
   app.add_option("--reference", reference_instants, "Instants of a reference image");
   app.add_option("--scenes", names)->delimiter(',');
   app.add_option("--files", files, "Scene files, besides")->delimiter(',');
+  Others others;
+  app.add_flag("--abuffer", others.abuffer, "The A-buffer too");
+  app.add_option("--rays", others.rays, "Embree too, with so many rays a pixel");
   CLI11_PARSE(app, argc, argv);
   std::error_code code;
   std::filesystem::create_directories(folder, code);
+  std::string columns;
+  if (others.abuffer) columns += " A-buffer: dB, s, to the engine at that dB, at 60 |";
+  if (others.rays > 0) columns += fmt::format(" {} rays: the same |", others.rays);
   fmt::print(
       "| scene | still, s | of it before the cells | 45 dB | 50 | 60 | 70 | 80 | asked for 45: dB "
-      "(expected), s, instants a pixel, "
-      "to uniform | 60 | 75 |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "(expected), s, instants a "
+      "pixel, to uniform | 60 | 75 |{}\n|---|---|---|---|---|---|---|---|---|---|---|{}\n",
+      columns, (others.abuffer ? std::string("---|") : std::string()) + (others.rays > 0 ? "---|" : ""));
   int failed = 0;
   for (const std::string& name : names) {
     if (name == "none") continue;
     const Result<EngineScene> made = make_engine_scene(name);
     if (!made) return fmt::print(stderr, "{}\n", made.error().message()), 2;
-    failed |= run_scene(name, made->scene, folder, reference_instants, control);
+    failed |= run_scene(name, made->scene, folder, reference_instants, control, others);
   }
   for (const std::string& path : files) {
     Result<SceneFile> file = read_scene_file(path);
     if (!file) return fmt::print(stderr, "{}\n", file.error().message()), 2;
     const Result<const Scene*> scene = file->scene_at(file->scene().frame, generate);
     if (!scene) return fmt::print(stderr, "{}\n", scene.error().message()), 2;
-    failed |=
-        run_scene(std::filesystem::path(path).stem().string(), **scene, folder, reference_instants, control);
+    failed |= run_scene(std::filesystem::path(path).stem().string(), **scene, folder, reference_instants,
+                        control, others);
   }
   return failed;
 }

@@ -127,13 +127,15 @@ constexpr Entry entries[] = {
     {"sphere-1M-100", sphere, 1'000'000, 100},   {"knot-500k-30", knot, 500'000, 30},
     {"rotation-500k-30", rotation, 500'000, 30}, {"wall-400k-60", wall, 400'000, 60},
     {"crossing-300k-40", crossing, 300'000, 40}, {"sparks-20k-200", sparks, 20'000, 200},
+    {"sphere-10k-30", sphere, 10'000, 30},       {"sphere-10M-30", sphere, 10'000'000, 30},
 };
 
 }  // namespace
 
 std::vector<std::string> engine_scene_names() {
   std::vector<std::string> names;
-  for (const Entry& entry : entries) names.emplace_back(entry.name);
+  for (const Entry& entry : entries)
+    if (entry.points >= 20'000 && entry.points <= 1'000'000) names.emplace_back(entry.name);
   return names;
 }
 

@@ -72,8 +72,10 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
                          {"max_error_db", options.max_error_db},
                          {"max_cell_error_db", options.max_cell_error_db}},
                         options.samples > 0 ? fmt::format("sampled {}", options.samples)
-                                            : fmt::format("sampled to {} dB, cells {}", options.max_error_db,
-                                                          options.max_cell_error_db)};
+                                            : fmt::format("sampled to {} dB", options.max_error_db) +
+                                                  (options.max_cell_error_db > 0.0
+                                                       ? fmt::format(", cells {}", options.max_cell_error_db)
+                                                       : std::string())};
 }
 
 Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const RenderControl& control) {
@@ -185,11 +187,13 @@ const std::vector<MethodOption>& method_options() {
       {.name = "--max-error",
        .kind = Kind::text,
        .help = "How far the frame may be off: a PSNR for peak 1, or a root mean square error below 1 [60dB]",
-       .type_name = "60dB|0.001"},
+       .type_name = "60dB|0.001",
+       .example = "50dB"},
       {.name = "--max-cell-error",
        .kind = Kind::text,
        .help = "The same for every 64 x 64 px of it by themselves",
-       .type_name = "60dB|0.001"},
+       .type_name = "60dB|0.001",
+       .example = "50dB"},
       {.name = "--normalisation",
        .kind = Kind::word,
        .help = "What the A-buffer divides weights by: those of every visible interval, or once per pixel, as "

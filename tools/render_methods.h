@@ -25,6 +25,7 @@ struct MethodOption {
   double low = 0.0, high = 0.0;              ///< of numbers
   std::vector<std::string_view> words = {};  ///< of a word
   std::string_view type_name = {};           ///< of a text
+  std::string_view example = {};             ///< of a text that may not be anything
 };
 
 /// What the command line says to the method, by option; only what is given.

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "abuffer/simd/interval_math.h"
@@ -17,7 +16,17 @@ namespace swept {
 /// One member's fields, in the order of MemberField.
 using Member = std::array<float, member_fields>;
 
+/// At most twice exp(−y²) for |y| ≤ √3, and never less: for what is only to be bounded.
+[[nodiscard]] inline float above_gaussian(float y) {
+  const float s = y * y;
+  return 1.0f / (1.0f + s * (1.0f + s * (0.5f + s * (1.0f / 6.0f + s * (1.0f / 24.0f)))));
+}
+
 [[nodiscard]] inline Member member_of(const FragmentArrays& fragments, std::size_t f, const Shade& shade) {
+  const float y = fragments.y[f];
+  const auto duration = static_cast<float>(share_of(fragments.t_end[f] - fragments.t_begin[f]));
+  const float jump =
+      fragments.peak[f] * std::max(above_gaussian(y), above_gaussian(y + fragments.rate[f] * duration));
   return {std::bit_cast<float>(fragments.t_begin[f]),
           fragments.y[f],
           fragments.rate[f],
@@ -28,7 +37,9 @@ using Member = std::array<float, member_fields>;
           shade.rgba[0],
           shade.rgba[1],
           shade.rgba[2],
-          shade.rgba[3]};
+          shade.rgba[3],
+          std::bit_cast<float>(fragments.t_end[f]),
+          jump};
 }
 
 class MemberSet {
@@ -46,16 +57,7 @@ class MemberSet {
     ++size_;
   }
 
-  /// Members `indices` of `other`, and no others.
-  void assign(const MemberSet& other, std::span<const std::uint32_t> indices) {
-    size_ = indices.size();
-    if (size_ > stride_) grow(size_);
-    for (std::size_t field = 0; field < member_fields; ++field) {
-      const float* const from = other.data_.data() + field * other.stride_;
-      float* const to = data_.data() + field * stride_;
-      for (std::size_t i = 0; i < indices.size(); ++i) to[i] = from[indices[i]];
-    }
-  }
+  void pop() { --size_; }
 
   /// The last member takes the place of member `i`.
   void remove(std::size_t i) {
@@ -65,6 +67,8 @@ class MemberSet {
   }
 
   [[nodiscard]] const float* field(MemberField which) const { return data_.data() + which * stride_; }
+  [[nodiscard]] Ticks t_begin(std::size_t i) const { return std::bit_cast<Ticks>(field(member_t_begin)[i]); }
+  [[nodiscard]] Ticks t_end(std::size_t i) const { return std::bit_cast<Ticks>(field(member_t_end)[i]); }
   [[nodiscard]] Members view() const {
     return {data_.data(), stride_, size_, (size_ + member_lanes - 1) / member_lanes * member_lanes};
   }

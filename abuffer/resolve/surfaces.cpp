@@ -1,35 +1,40 @@
 #include "abuffer/resolve/surfaces.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
 #include "abuffer/resolve/time_rule.h"
-#include "splat/kernel/kernel_integral.h"
 
 namespace swept {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// The shortest piece of the shutter that a change of surfaces or a subdivision may cut off. What happens
-/// within it is worth at most as much of the image.
-constexpr Ticks shortest_interval = shutter_close >> 20;
-
-/// How far a kernel may move along its line, in units of y, in one piece where several kernels share a
-/// surface: as far as the sums' series reaches.
-constexpr float longest_span = 0.5f;
-
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
 constexpr float coverage_error = 0x1p-15f;
 
+constexpr float root_third = 0.577350269f;
+
+using Color = float __attribute__((vector_size(16)));
+
 }  // namespace
 
-Ticks SurfaceStack::build(MemberSet& active, Ticks begin, Ticks end, SweepCounters& counters) {
+void SurfaceStack::start(std::size_t places) {
+  ranking_.clear();
+  ranked_.assign(places, 0);
+}
+
+Ticks SurfaceStack::build(const ActiveSet& active, Ticks begin, Ticks end, SweepCounters& counters) {
   active_ = &active;
   counters_ = &counters;
+  in_order_ = false;
+  const Members all = active.members.view();
+  for (std::vector<float>* scratch : {&z_begin_, &z_end_, &behind_end_, &mean_, &swing_, &variation_, &depth_,
+                                      &depth_swing_, &at_begin_, &at_end_})
+    if (scratch->size() < all.padded + 1) scratch->resize(2 * all.padded + 1);
   // Each attempt may find that it has to end sooner; what it finds then holds for the shorter piece as well.
   for (;;) {
     const Ticks sooner = attempt(begin, end);
@@ -41,123 +46,196 @@ Ticks SurfaceStack::build(MemberSet& active, Ticks begin, Ticks end, SweepCounte
 /// Surfaces front to back, until no light is left. Returns `end`, or the sooner time to which the caller has
 /// to shorten the piece.
 Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
-  const Members all = active_->view();
+  const Members all = active_->members.view();
   const std::size_t count = all.count;
-  for (std::vector<float>* scratch : {&mean_, &at_ends_, &z_begin_, &z_end_})
-    if (scratch->size() < all.padded) scratch->resize(2 * all.padded);
   surfaces_.clear();
   transmittance_ = 1.0f;
-  points_ = 1;
+  instants_known_ = false;
 
   const DepthRange range = math_.depths_over(all, begin, end, z_begin_.data(), z_end_.data());
-  margin_ = range.max_tolerance;
-  if (count > 1) {
-    const float duration = static_cast<float>(share_of(end - begin));
-    const float span = range.max_rate * duration;
-    points_ = points_for(span, duration, model_.delta());
-    if (span > longest_span || points_ > most_points) {
-      // A little less than the limit, so that rounding does not ask for the same again.
-      float fraction = std::min(1.0f, 0.99f * longest_span / span);
-      while (points_for(fraction * span, fraction * duration, model_.delta()) > most_points) fraction *= 0.8f;
-      const Ticks cut = shorten(begin, end, fraction);
-      if (cut < end) return cut;
-      points_ = most_points;
-    }
+  margin_ = 2.0f * range.max_tolerance;
+  const float longest = longest_piece(range.max_rate, longest_span, model_.delta());
+  const auto duration = static_cast<float>(share_of(end - begin));
+  if (duration > longest) {
+    const Ticks cut = shorten(begin, end, longest / duration);
+    if (cut < end) return cut;
   }
   // A member's height above the lower envelope of all is convex in time, so it is largest at an end.
   if (range.max_begin - range.min_begin <= range.min_tolerance &&
       range.max_end - range.min_end <= range.min_tolerance) {
-    surfaces_.push_back({all});
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0u);
+    in_order_ = false;
+    weigh(begin, end);
     limit_ = std::max(range.max_begin, range.max_end) + range.max_tolerance;
-    used_ = count;
-    return measure(surfaces_[0], begin, end);
+    surfaces_.push_back({0, count, {}, {}});
+    const Ticks sooner = measure(surfaces_[0], begin, end);
+    take_light();
+    return sooner;
   }
 
-  order_.resize(count);
-  std::iota(order_.begin(), order_.end(), 0u);
+  if (!in_order_) rank();
+  behind_end_[count] = infinity;
+  for (std::size_t i = count; i-- > 0;) behind_end_[i] = std::min(behind_end_[i + 1], z_end_[order_[i]]);
+  weigh(begin, end);
+  if (range.max_tolerance == 0.0f && stand_alone()) return end;
   limit_ = -infinity;
-  used_ = 0;
-  while (used_ < count && transmittance_ > opaque_transmittance) {
-    Ticks sooner = end;
-    const std::size_t last = gather_nearest(used_, begin, sooner);
-    if (sooner < end) return sooner;
-    if (parts_.size() == surfaces_.size()) parts_.emplace_back();
-    MemberSet& part = parts_[surfaces_.size()];
-    part.assign(*active_, std::span(order_).subspan(used_, last - used_));
-    for (std::size_t i = used_; i < last; ++i)
-      limit_ = std::max({limit_, z_begin_[order_[i]], z_end_[order_[i]]});
-    used_ = last;
-    surfaces_.push_back({part.view()});
-    sooner = measure(surfaces_.back(), begin, end);
-    if (sooner < end) return sooner;
+  Ticks until = end;
+  for (std::size_t first = 0; first < count && transmittance_ > opaque_transmittance;) {
+    const std::size_t last = gather_nearest(first, begin, until);
+    surfaces_.push_back({first, last, {}, {}});
+    // What is behind may change sooner, but this surface's own shortening comes first: where it begins to
+    // cover, nothing behind is seen.
+    const Ticks sooner = measure(surfaces_.back(), begin, end);
+    if (sooner < end) return std::min(sooner, until);
+    take_light();
+    for (; first < last; ++first) limit_ = std::max({limit_, z_begin_[order_[first]], z_end_[order_[first]]});
   }
   limit_ += range.max_tolerance;
-  return end;
+  return until;
 }
 
-/// Moves the members of the surface that is nearest just after `begin` to the front of order_[first, …) and
-/// returns their end. Shortens `end` to the time until which they are its members.
+/// Whether every member is a surface by itself, all the time, and some light gets past them all; then they
+/// are alone_'s layers.
+bool SurfaceStack::stand_alone() {
+  const Members all = active_->members.view();
+  const float *peaks = all.field(member_peak), *slopes = all.field(member_z_rate);
+  const float edge = model_.edge_weight();
+  if (model_.per_pixel()) return false;
+  alone_.layers.clear();
+  float light = 1.0f;
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::uint32_t k = order_[i];
+    // Equal ones are one surface.
+    if (i > 0 && z_begin_[k] == z_begin_[order_[i - 1]] && slopes[k] == slopes[order_[i - 1]]) return false;
+    const bool thin = !model_.hard() && peaks[k] <= edge;
+    const bool covers =
+        model_.hard() ? mean_[k] >= std::numeric_limits<float>::min() : mean_[k] - variation_[k] >= edge;
+    if (!thin && !covers) return false;
+    AloneLayer layer;
+    for (std::size_t c = 0; c < 4; ++c) {
+      layer.mean[c] = thin ? mean_[k] / edge * active_->colors[k][c] : active_->colors[k][c];
+      layer.swing[c] = thin ? swing_[k] / edge * active_->colors[k][c] : 0.0f;
+    }
+    layer.z_begin = z_begin_[k];
+    layer.z_end = z_end_[k];
+    light *= 1.0f - layer.mean[3];
+    alone_.layers.push_back(layer);
+  }
+  return light > opaque_transmittance;
+}
+
+/// What the last surface leaves of it.
+void SurfaceStack::take_light() {
+  const SurfaceSum& sum = surfaces_.back().mean;
+  transmittance_ *= 1.0f - std::min(1.0f, sum.rgba[3] * model_.scale(sum));
+}
+
+/// Puts order_ into the order of depth as the piece begins; among equals the one that will be nearest, then
+/// the one that reaches farthest, then by place. From one piece to the next few change places.
+void SurfaceStack::rank() {
+  const std::vector<std::uint32_t>& slot_of = active_->slot_of_place;
+  const float* const rates = active_->members.field(member_z_rate);
+  const float* const tolerances = active_->members.field(member_tolerance);
+  std::size_t kept = 0;
+  for (const std::uint32_t place : ranking_) {
+    if (slot_of[place] == ActiveSet::no_slot)
+      ranked_[place] = 0;
+    else
+      ranking_[kept++] = place;
+  }
+  ranking_.resize(kept);
+  for (const std::uint32_t place : active_->place_of_slot) {
+    if (ranked_[place]) continue;
+    ranked_[place] = 1;
+    ranking_.push_back(place);
+  }
+  const auto nearer = [&](std::uint32_t place, std::uint32_t other) {
+    const std::uint32_t a = slot_of[place], b = slot_of[other];
+    if (z_begin_[a] != z_begin_[b]) return z_begin_[a] < z_begin_[b];
+    if (rates[a] != rates[b]) return rates[a] < rates[b];
+    if (tolerances[a] != tolerances[b]) return tolerances[a] > tolerances[b];
+    return place < other;
+  };
+  if (ranking_.size() - kept > 12) {
+    std::sort(ranking_.begin(), ranking_.end(), nearer);
+  } else {
+    for (std::size_t i = 1; i < ranking_.size(); ++i) {
+      const std::uint32_t place = ranking_[i];
+      std::size_t k = i;
+      for (; k > 0 && nearer(place, ranking_[k - 1]); --k) ranking_[k] = ranking_[k - 1];
+      ranking_[k] = place;
+    }
+  }
+  order_.resize(ranking_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = slot_of[ranking_[i]];
+  slowest_ = *std::min_element(rates, rates + active_->members.size());
+  in_order_ = true;
+}
+
+/// Each member's ρ over the piece: its mean, its swing about it, and how far it may fall below it.
+void SurfaceStack::weigh(Ticks begin, Ticks end) {
+  const Members all = active_->members.view();
+  (void)math_.sum_over(all, begin, end, mean_.data());
+  counters_->evaluations += all.count;
+  const float *t = all.field(member_t_begin), *y = all.field(member_y), *rate = all.field(member_rate),
+              *slope = all.field(member_z_rate);
+  const auto duration = static_cast<float>(share_of(end - begin));
+  const float *z_begin = z_begin_.data(), *z_end = z_end_.data(), *mean = mean_.data();
+  float *swing = swing_.data(), *variation = variation_.data(), *depth = depth_.data(),
+        *depth_swing = depth_swing_.data();
+  for (std::size_t k = 0; k < all.count; ++k) {
+    std::int32_t born;
+    std::memcpy(&born, t + k, sizeof born);
+    const float since = static_cast<float>(begin - born) * per_tick, span = rate[k] * duration;
+    const float middle = y[k] + rate[k] * (since + 0.5f * duration);
+    const float x = span * std::min(std::max(middle, -9.3f), 9.3f), square = x * x + span * span;
+    // The first terms of gaussian_centroid(); of a piece that is too long to have them, the nearer end.
+    const float centroid = std::min(std::max(x * ((1.0f / 90.0f) * square - (1.0f / 6.0f)), -0.25f), 0.25f);
+    swing[k] = mean[k] * (6.0f * root_third) * centroid;
+    // With x = s|m| the mean is at most exp(−m²) sinh(x)/x, and the least value, at an end, exp(−m² − x −
+    // s²/4): they differ by at most the mean times x + s²/4 + x²/6, for 1 − e⁻ᵃ x/sinh x ≤ a + x²/6.
+    variation[k] = mean[k] * (std::abs(x) + 0.25f * (span * span) + (1.0f / 6.0f) * (x * x));
+    const float z_middle = 0.5f * (z_begin[k] + z_end[k]),
+                z_swing = slope[k] * (0.5f * root_third * duration);
+    depth[k] = mean[k] * z_middle + swing[k] * z_swing;
+    depth_swing[k] = swing[k] * z_middle + mean[k] * z_swing;
+  }
+}
+
+/// Returns the end of the surface that is nearest just after `begin` and whose members are order_[first, …).
+/// Shortens `end` to the time until which they are its members.
 std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& end) {
   const std::size_t count = order_.size();
-  const float* const z_begin = z_begin_.data();
-  const float* const z_end = z_end_.data();
-  const float* const rates = active_->field(member_z_rate);
-  const float* const tolerances = active_->field(member_tolerance);
-  std::uint32_t* const order = order_.data();
-  const auto rate_of = [&](std::uint32_t k) { return rates[k]; };
-  const auto tolerance_of = [&](std::uint32_t k) { return tolerances[k]; };
-  // Among equals the one that will be nearest, then the one that reaches farthest.
-  const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
-    if (z_begin[a] != z_begin[b]) return z_begin[a] < z_begin[b];
-    if (rate_of(a) != rate_of(b)) return rate_of(a) < rate_of(b);
-    return tolerance_of(a) > tolerance_of(b);
-  };
-  std::uint32_t nearest = order[first];
-  for (std::size_t i = first + 1; i < count; ++i)
-    if (nearer(order[i], nearest)) nearest = order[i];
-
-  const float tolerance = tolerance_of(nearest), limit = z_begin[nearest] + tolerance;
-  std::size_t last = first;
-  for (std::size_t i = first; i < count; ++i) {
-    const std::uint32_t k = order[i];
-    if (z_begin[k] < limit || (z_begin[k] == limit && rate_of(k) <= rate_of(nearest)))
-      std::swap(order[i], order[last++]);
-  }
+  const float* const rates = active_->members.field(member_z_rate);
+  const float* const tolerances = active_->members.field(member_tolerance);
+  const std::uint32_t nearest = order_[first];
+  const float limit = z_begin_[nearest] + tolerances[nearest];
 
   // If no member is out of reach of the lower envelope at either end, none leaves between; and what lies
   // beyond reach of one and the same member at both ends stays behind.
-  std::uint32_t nearest_at_end = order[first];
-  float smallest = infinity, largest = 0.0f;
-  for (std::size_t i = first; i < last; ++i) {
-    const std::uint32_t k = order[i];
-    if (z_end[k] < z_end[nearest_at_end]) nearest_at_end = k;
-    smallest = std::min(smallest, tolerance_of(k));
-    largest = std::max(largest, tolerance_of(k));
+  std::size_t last = first;
+  std::uint32_t nearest_at_end = nearest;
+  float smallest = infinity, largest = 0.0f, farthest_end = -infinity;
+  for (; last < count; ++last) {
+    const std::uint32_t k = order_[last];
+    if (!(z_begin_[k] < limit || (z_begin_[k] == limit && rates[k] <= rates[nearest]))) break;
+    if (z_end_[k] < z_end_[nearest_at_end]) nearest_at_end = k;
+    smallest = std::min(smallest, tolerances[k]);
+    largest = std::max(largest, tolerances[k]);
+    farthest_end = std::max(farthest_end, z_end_[k]);
   }
-  bool holds = true;
-  for (std::size_t i = first; i < last && holds; ++i)
-    holds = z_begin[order[i]] - z_begin[nearest] <= smallest &&
-            z_end[order[i]] - z_end[nearest_at_end] <= smallest;
-  const auto beyond = [&](std::uint32_t k, std::uint32_t of) {
-    return z_begin[k] - z_begin[of] > largest && z_end[k] - z_end[of] > largest;
+  const bool none_leaves = z_begin_[order_[last - 1]] - z_begin_[nearest] <= smallest &&
+                           farthest_end - z_end_[nearest_at_end] <= smallest;
+  const auto all_beyond = [&](std::uint32_t of) {
+    return last == count ||
+           (z_begin_[order_[last]] - z_begin_[of] > largest && behind_end_[last] - z_end_[of] > largest);
   };
-  for (std::size_t i = last; i < count && holds; ++i)
-    holds = beyond(order[i], nearest) || beyond(order[i], nearest_at_end);
-  if (holds) return last;
+  if (none_leaves && (all_beyond(nearest) || all_beyond(nearest_at_end))) return last;
 
   // Otherwise until the nearest is overtaken, or something comes within its tolerance or leaves it.
   const double duration = share_of(end - begin);
-  double wait = duration;
-  for (std::size_t i = first; i < count; ++i) {
-    const std::uint32_t k = order[i];
-    if (k == nearest) continue;
-    const float above = z_begin[k] - z_begin[nearest];
-    const float rate = rate_of(k) - rate_of(nearest);
-    if (i < last && rate > 0.0f)
-      wait = std::min(wait, double{tolerance - above} / rate);
-    else if (rate < 0.0f)
-      wait = std::min(wait, double{i < last ? above : above - tolerance} / -rate);
-  }
+  const double wait = wait_for_change(first, last, duration);
   if (!(wait < duration)) return last;
   // Rounded up, to where it has happened.
   const Ticks until = begin + static_cast<Ticks>(std::ceil(std::max(wait, 0.0) * shutter_close));
@@ -170,6 +248,26 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& 
   return last;
 }
 
+/// After how long the surface order_[first, last) has other members, or `duration`.
+double SurfaceStack::wait_for_change(std::size_t first, std::size_t last, double duration) const {
+  const float* const rates = active_->members.field(member_z_rate);
+  const std::uint32_t nearest = order_[first];
+  const float tolerance = active_->members.field(member_tolerance)[nearest];
+  double wait = duration;
+  for (std::size_t i = first + 1; i < order_.size(); ++i) {
+    const std::uint32_t k = order_[i];
+    const float above = z_begin_[k] - z_begin_[nearest];
+    // From here on nothing is fast enough.
+    if (i >= last && double{above - tolerance} > (double{rates[nearest]} - slowest_) * wait) break;
+    const float rate = rates[k] - rates[nearest];
+    if (i < last && rate > 0.0f)
+      wait = std::min(wait, double{tolerance - above} / rate);
+    else if (rate < 0.0f)
+      wait = std::min(wait, double{i < last ? above : above - tolerance} / -rate);
+  }
+  return wait;
+}
+
 /// Cuts [begin, end] to a fraction, if that is not too short a piece. Returns its end.
 Ticks SurfaceStack::shorten(Ticks begin, Ticks end, float fraction) {
   const auto wanted = static_cast<Ticks>(double{fraction} * (end - begin));
@@ -180,26 +278,61 @@ Ticks SurfaceStack::shorten(Ticks begin, Ticks end, float fraction) {
   return cut;
 }
 
-/// Sums a surface over [begin, end] and takes its light. Returns `end`, or the sooner time to which the piece
-/// has to be shortened for its mean weight to tell how much of it is clamped.
-Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
-  surface.sum = math_.sum_over(surface.members, begin, end, mean_.data());
-  const float scale = model_.scale(surface.sum.surface);
-  transmittance_ *= 1.0f - std::min(1.0f, surface.sum.surface.rgba[3] * scale);
+void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
+  const Members all = active_->members.view();
+  const float *peaks = all.field(member_peak), *rates = all.field(member_rate);
+  const std::array<float, 4>* const colors = active_->colors.data();
+  Color color = {}, color_swing = {};
+  float fastest = 0.0f;
+  SurfaceSum mean, swing;
+  for (std::size_t i = surface.first; i < surface.last; ++i) {
+    const std::uint32_t k = order_[i];
+    Color rgba;
+    std::memcpy(&rgba, &colors[k], sizeof rgba);
+    mean.weight += mean_[k];
+    swing.weight += swing_[k];
+    color += mean_[k] * rgba;
+    color_swing += swing_[k] * rgba;
+    mean.depth += depth_[k];
+    swing.depth += depth_swing_[k];
+    surface.variation += variation_[k];
+    surface.peaks += peaks[k];
+    fastest = std::max(fastest, rates[k]);
+  }
+  std::memcpy(mean.rgba, &color, sizeof color);
+  std::memcpy(swing.rgba, &color_swing, sizeof color_swing);
+  surface.mean = mean;
+  surface.swing = swing;
+  surface.widest = fastest * static_cast<float>(share_of(end - begin));
+}
 
-  const float edge = model_.edge_weight(), weight = surface.sum.surface.weight;
-  const float least = weight - surface.sum.variation;
-  const float most = std::min(weight + 2.0f * surface.sum.variation, surface.sum.peaks);
+/// Sums a surface over [begin, end]. Returns `end`, or the sooner time to which the piece has to be shortened
+/// for its mean weight to tell how much of it is clamped.
+Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
+  add_up(surface, begin, end);
+  const float edge = model_.edge_weight(), weight = surface.mean.weight;
+  const float least = weight - surface.variation;
+  const float most = std::min(weight + 2.0f * surface.variation, surface.peaks);
   surface.linear = !model_.hard() && most <= edge;
+  surface.covers = model_.hard() || least >= edge;
   const bool clamp_is_near = !model_.hard() && least < edge && most > edge;
   if (!clamp_is_near) return end;
-  if (surface.sum.widest > longest_span) {
-    const Ticks cut = shorten(begin, end, 0.99f * longest_span / surface.sum.widest);
+  if (surface.widest > longest_span) {
+    const Ticks cut = shorten(begin, end, 0.99f * longest_span / surface.widest);
     if (cut < end) return cut;
   }
 
-  const float at_begin = math_.sum_over(surface.members, begin, begin, at_ends_.data()).surface.weight;
-  const float at_end = math_.sum_over(surface.members, end, end, at_ends_.data()).surface.weight;
+  if (!instants_known_) {
+    const Members all = active_->members.view();
+    (void)math_.sum_over(all, begin, begin, at_begin_.data());
+    (void)math_.sum_over(all, end, end, at_end_.data());
+    instants_known_ = true;
+  }
+  float at_begin = 0.0f, at_end = 0.0f;
+  for (std::size_t i = surface.first; i < surface.last; ++i) {
+    at_begin += at_begin_[order_[i]];
+    at_end += at_end_[order_[i]];
+  }
   // The parabola with these ends and this mean has its extremum where Σρ has its own, if it has one within.
   const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
   const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
@@ -207,6 +340,7 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
   const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
   const float low = std::min({at_begin, extremum, at_end}), high = std::max({at_begin, extremum, at_end});
   surface.linear = high <= edge;
+  surface.covers = low >= edge;
   if (low >= edge || high <= edge) return end;
   // The mean of the clamped differs from the clamped mean by at most a quarter of the range, whatever its
   // shape.
@@ -217,47 +351,24 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
                  crosses ? std::clamp((edge - at_begin) / (at_end - at_begin), 0.1f, 0.9f) : 0.5f);
 }
 
-/// How far the mean of Σρz over [begin, end] lies from the members' means of ρ times their depths in the
-/// middle, which are what measure() has added up, and mean_ still holds.
-float SurfaceStack::depth_shift(const Members& members, Ticks begin, Ticks end) const {
-  const auto duration = static_cast<float>(share_of(end - begin));
-  float shift = 0.0f;
-  const float *t = members.field(member_t_begin), *y = members.field(member_y),
-              *rates = members.field(member_rate), *z_rate = members.field(member_z_rate);
-  for (std::size_t k = 0; k < members.count; ++k) {
-    const double rate = rates[k];
-    const float moved = z_rate[k] * duration;
-    if (moved == 0.0f || rate == 0.0) continue;
-    const double since = share_of(begin - std::bit_cast<Ticks>(t[k]));
-    const double y_begin = y[k] + rate * since;
-    shift += mean_[k] * moved * static_cast<float>(gaussian_centroid(y_begin, y_begin + rate * duration));
-  }
-  return shift;
-}
-
 void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters) {
   ++counters.intervals;
   const double duration = share_of(end - begin);
-  const Surface& front = surfaces_.front();
-  if (surfaces_.size() == 1 && (points_ == 1 || front.linear || front.members.count == 1)) {
+  if (surfaces_.empty()) {
+    alone_.composite(duration, pixel);
+    return;
+  }
+  if (surfaces_.size() == 1 && surfaces_.front().linear) {
     float transmittance = 1.0f;
-    SurfaceSum sum = front.sum.surface;
-    if (front.linear) sum.depth += depth_shift(front.members, begin, end);
-    model_.add(sum, duration, transmittance, pixel);
-    counters.evaluations += front.members.count;
+    model_.add(surfaces_.front().mean, duration, transmittance, pixel);
     return;
   }
   // Of several surfaces the light that one lets through and what the next one covers change together, and the
   // product of their means is not the mean of their product.
-  const GaussRule& rule = gauss_rule(points_);
-  for (int i = 0; i < rule.points; ++i) {
-    const Ticks time = begin + ticks_of(rule.place[i] * duration);
+  for (const float sign : {-1.0f, 1.0f}) {
     float transmittance = 1.0f;
-    for (const Surface& surface : surfaces_) {
-      const SurfaceSum sum = math_.sum_over(surface.members, time, time, mean_.data()).surface;
-      model_.add(sum, rule.weight[i] * duration, transmittance, pixel);
-      counters.evaluations += surface.members.count;
-    }
+    for (const Surface& surface : surfaces_)
+      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, pixel);
   }
 }
 

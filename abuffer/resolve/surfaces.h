@@ -1,10 +1,12 @@
-// The surfaces of a pixel over a piece of time in which they keep their members.
+// The surfaces of a pixel over a piece of time in which nothing begins or ends.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "abuffer/resolve/alone.h"
 #include "abuffer/resolve/members.h"
 #include "abuffer/simd/interval_math.h"
 #include "splat/interval/composite.h"
@@ -14,12 +16,58 @@ namespace swept {
 
 struct SweepCounters {
   std::uint64_t intervals = 0;    ///< pieces of time resolved
+  std::uint64_t merged = 0;       ///< and those of them in which fragments begin or end
+  std::uint64_t retried = 0;      ///< pieces tried for too long a time to be merged
   std::uint64_t crossings = 0;    ///< shortenings of a piece because a surface's members change within
   std::uint64_t subdivided = 0;   ///< and because weights or coverage change too much within
   std::uint64_t shortest = 0;     ///< of both, those that would have had to come sooner than a piece may be
-  std::uint64_t evaluations = 0;  ///< fragments integrated, summed over pieces and surfaces
+  std::uint64_t evaluations = 0;  ///< fragments integrated, summed over pieces
   std::uint64_t hidden = 0;       ///< fragments put aside
   std::uint64_t revealed = 0;     ///< times they had to be taken back
+};
+
+/// The shortest piece of the shutter that a change of surfaces or a subdivision may cut off. What happens
+/// within it is worth at most as much of the image.
+inline constexpr Ticks shortest_interval = shutter_close >> 20;
+
+/// The fragments that are there, each with its place in the pixel's own, fixed order.
+struct ActiveSet {
+  MemberSet members;
+  std::vector<std::uint32_t> place_of_slot;  ///< member → place
+  std::vector<std::array<float, 4>> colors;  ///< of the members once more, side by side
+  std::vector<std::uint32_t> slot_of_place;  ///< place → member, or no_slot
+  static constexpr std::uint32_t no_slot = ~0u;
+
+  void start(std::size_t places) {
+    members.clear();
+    place_of_slot.clear();
+    colors.clear();
+    slot_of_place.assign(places, no_slot);
+  }
+  void push(std::uint32_t place, const Member& member) {
+    slot_of_place[place] = static_cast<std::uint32_t>(members.size());
+    place_of_slot.push_back(place);
+    colors.push_back({member[member_red], member[member_green], member[member_blue], member[member_alpha]});
+    members.push(member);
+  }
+  void pop() {
+    slot_of_place[place_of_slot.back()] = no_slot;
+    place_of_slot.pop_back();
+    colors.pop_back();
+    members.pop();
+  }
+  /// The last member takes the place of member `slot`.
+  void remove(std::size_t slot) {
+    slot_of_place[place_of_slot[slot]] = no_slot;
+    members.remove(slot);
+    const std::uint32_t moved = place_of_slot.back();
+    place_of_slot.pop_back();
+    colors[slot] = colors.back();
+    colors.pop_back();
+    if (slot == members.size()) return;
+    place_of_slot[slot] = moved;
+    slot_of_place[moved] = static_cast<std::uint32_t>(slot);
+  }
 };
 
 /// Takes a set of fragments apart into surfaces, front to back, as deep as light gets (model sections 1.2
@@ -30,48 +78,64 @@ class SurfaceStack {
 
   [[nodiscard]] const SurfaceModel& model() const { return model_; }
 
-  /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
-  /// each keeps its members, and composite() can integrate its light. `active` must not be empty,
-  /// and must outlive what follows unchanged.
-  [[nodiscard]] Ticks build(MemberSet& active, Ticks begin, Ticks end, SweepCounters& counters);
+  /// Before a pixel's first piece.
+  void start(std::size_t places);
 
-  /// Adds what was built over [begin, end], the end being the one that build() returned.
-  void composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters);
+  /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
+  /// each keeps its members, and composite() can integrate its light. All of `active` must be there from
+  /// `begin` to `end`; it must not be empty.
+  [[nodiscard]] Ticks build(const ActiveSet& active, Ticks begin, Ticks end, SweepCounters& counters);
 
   /// Whether the surfaces let no light through.
   [[nodiscard]] bool opaque() const { return transmittance_ <= opaque_transmittance; }
   /// Nothing that stays deeper than this can be a member of the surfaces.
   [[nodiscard]] float limit() const { return limit_; }
-  /// The largest depth tolerance of any active fragment.
+  /// Twice the largest depth tolerance: what is that much deeper may be put aside without being asked for
+  /// again at once.
   [[nodiscard]] float margin() const { return margin_; }
-  /// How many of the active fragments are in the surfaces; the rest lies behind.
-  [[nodiscard]] std::size_t used() const { return used_; }
+  /// Whether the first surface covers the pixel all the time.
+  [[nodiscard]] bool one_covers() const { return !surfaces_.empty() && surfaces_.front().covers; }
+
+  /// Adds what was built over [begin, end], the end being the one that build() returned.
+  void composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters);
 
  private:
+  /// order_[first, last).
   struct Surface {
-    Members members;
-    MemberSum sum = {};
+    std::size_t first, last;
+    SurfaceSum mean, swing;  ///< as in FrontSum
+    float variation = 0.0f, peaks = 0.0f, widest = 0.0f;
+    bool covers = false;  ///< all along
     bool linear = false;  ///< its coverage is nowhere clamped, so that its sums are its light
   };
 
   Ticks attempt(Ticks begin, Ticks end);
+  bool stand_alone();
+  void take_light();
+  void rank();
+  void weigh(Ticks begin, Ticks end);
+  void add_up(Surface& surface, Ticks begin, Ticks end) const;
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
+  [[nodiscard]] double wait_for_change(std::size_t first, std::size_t last, double duration) const;
   Ticks measure(Surface& surface, Ticks begin, Ticks end);
   Ticks shorten(Ticks begin, Ticks end, float fraction);
-  [[nodiscard]] float depth_shift(const Members& members, Ticks begin, Ticks end) const;
 
   SurfaceModel model_;
   IntervalMath math_;
-  MemberSet* active_ = nullptr;
+  const ActiveSet* active_ = nullptr;
   SweepCounters* counters_ = nullptr;
-  std::vector<std::uint32_t>
-      order_;  ///< of active_: the members of the first surface, of the second, … and the rest
+  std::vector<std::uint32_t> ranking_;  ///< places by depth, as of the piece before
+  std::vector<std::uint8_t> ranked_;    ///< by place: whether it is in ranking_
+  bool in_order_ = false;               ///< order_ is by depth at this piece's begin
+  std::vector<std::uint32_t> order_;    ///< slots: the members of the first surface, of the second, …
   std::vector<Surface> surfaces_;
-  std::vector<MemberSet> parts_;  ///< members of the surfaces that are not all of active_
-  std::size_t used_ = 0;
-  int points_ = 1;  ///< at which the piece is looked at; 1: its integrals stand for it
+  AloneStack alone_;  ///< instead of surfaces_ where these are empty
   float limit_ = 0.0f, margin_ = 0.0f, transmittance_ = 1.0f;
-  std::vector<float> mean_, at_ends_, z_begin_, z_end_;
+  float slowest_ = 0.0f;                             ///< the least rate of depth
+  std::vector<float> z_begin_, z_end_, behind_end_;  ///< behind_end_[i]: the least z_end_ of order_[i, …)
+  std::vector<float> mean_, swing_, variation_, depth_, depth_swing_;
+  std::vector<float> at_begin_, at_end_;
+  bool instants_known_ = false;
 };
 
 }  // namespace swept

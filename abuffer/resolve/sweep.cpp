@@ -1,11 +1,26 @@
 #include "abuffer/resolve/sweep.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "abuffer/resolve/lone.h"
+#include "abuffer/resolve/time_rule.h"
 
 namespace swept {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Ticks never = std::numeric_limits<Ticks>::max();
+
+/// Of its weight, what a front may gain and lose by fragments that begin and end within a piece. The line
+/// that stands for Σρ misses a quarter of a step's variance at most; so a colour is off by at most 1/16 of
+/// the square of this, and by as much less as steps go to both sides and colours are alike.
+constexpr float most_jumps = 0.25f;
+
+bool few_jumps(const FrontSum& front) {
+  const float weight = front.mean.weight;
+  return front.squares <= most_jumps * most_jumps * weight * weight && front.jumps <= 0.2f * weight;
+}
 
 std::uint64_t event_key(Ticks time, std::size_t place) {
   return static_cast<std::uint64_t>(time) << 32 | place;
@@ -20,135 +35,135 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
                          SweepCounters& counters) {
   counters_ = &counters;
   start(fragments, shades.data(), indices, count);
-  Ticks time = event_time(begins_.front());
-  while (next_end_ < count) {
-    pass_events(time);
-    if (next_end_ == count) break;
-    const Ticks next = next_event();
-    if (active_.size() == 0 && !hidden_.empty()) {
-      reveal(time);
+  for (Ticks time = 0;;) {
+    admit(time + 1);
+    if (active_.members.size() > 0) {
+      time = advance(time, pixel);
+      let_go(time);
       continue;
     }
-    time = active_.size() == 0 ? next : resolve_until(time, next, pixel);
+    // Where nothing is active there is nothing to be behind of.
+    step_ = 0;
+    front_limit_ = infinity;
+    if (hidden_last_end_ <= time) forget_hidden();
+    if (!hidden_.empty()) {
+      reveal(time);
+    } else {
+      if (next_ == begins_.size()) break;
+      time = next_begin();
+    }
   }
-  surfaces_.model().finish(pixel);
+  model_.finish(pixel);
 }
 
 void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
                        std::size_t count) {
-  local_.resize(count);
+  fragments_ = &fragments;
+  shades_ = shades;
+  indices_ = indices;
   begins_.resize(count);
-  ends_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t f = indices[i];
-    const Ticks begin = fragments.t_begin[f], end = fragments.t_end[f];
-    const float z = fragments.z[f], duration = static_cast<float>(share_of(end - begin));
-    local_[i] = {member_of(fragments, f, shades[fragments.kernel[f]]), end,
-                 std::min(z, z + fragments.z_rate[f] * duration)};
-    begins_[i] = event_key(begin, i);
-    ends_[i] = event_key(end, i);
-  }
-  sort_events(begins_);
-  sort_events(ends_);
-  next_begin_ = next_end_ = 0;
-  state_.assign(count, State::waiting);
-  slot_.resize(count);
-  place_.clear();
-  active_.clear();
+  for (std::size_t i = 0; i < count; ++i) begins_[i] = event_key(fragments.t_begin[indices[i]], i);
+  sort_begins();
+  next_ = 0;
+  step_ = 0;
+  active_.start(count);
   hidden_.clear();
-  hidden_min_z_ = front_limit_ = infinity;
+  is_hidden_.assign(count, 0);
+  front_limit_ = infinity;
+  forget_hidden();
+  surfaces_.start(count);
 }
 
 /// By as many buckets of time as there are events, and within each: times are spread out more often than not.
-void PixelSweep::sort_events(std::vector<std::uint64_t>& events) {
-  const auto count = static_cast<std::uint32_t>(events.size());
+void PixelSweep::sort_begins() {
+  const auto count = static_cast<std::uint32_t>(begins_.size());
   const auto bucket_of = [&](std::uint64_t key) {
     const std::uint64_t bucket = (static_cast<std::uint64_t>(event_time(key)) * count) / shutter_close;
     return std::min(static_cast<std::uint32_t>(bucket), count - 1);
   };
   buckets_.assign(count + 1, 0);
-  for (const std::uint64_t key : events) ++buckets_[bucket_of(key) + 1];
+  for (const std::uint64_t key : begins_) ++buckets_[bucket_of(key) + 1];
   for (std::uint32_t b = 0; b < count; ++b) buckets_[b + 1] += buckets_[b];
   by_bucket_.resize(count);
-  for (const std::uint64_t key : events) by_bucket_[buckets_[bucket_of(key)]++] = key;
-  // Now buckets_[b] is where bucket b ends.
+  for (const std::uint64_t key : begins_) by_bucket_[buckets_[bucket_of(key)]++] = key;
+  // Now buckets_[b] is where bucket b ends. Keys of equal times are in order already.
   std::uint32_t first = 0;
   for (std::uint32_t b = 0; b < count; ++b) {
     if (buckets_[b] - first > 1) std::sort(by_bucket_.begin() + first, by_bucket_.begin() + buckets_[b]);
     first = buckets_[b];
   }
-  events.swap(by_bucket_);
+  begins_.swap(by_bucket_);
 }
 
-void PixelSweep::activate(std::uint32_t place) {
-  state_[place] = State::active;
-  slot_[place] = static_cast<std::uint32_t>(active_.size());
-  place_.push_back(place);
-  active_.push(local_[place].member);
-}
-
-void PixelSweep::deactivate(std::uint32_t place) {
-  const std::uint32_t slot = slot_[place];
-  active_.remove(slot);
-  place_[slot] = place_.back();
-  slot_[place_[slot]] = slot;
-  place_.pop_back();
-}
-
-/// What ends at or before `time` goes, what begins at or before it comes.
-void PixelSweep::pass_events(Ticks time) {
-  for (; next_end_ < ends_.size() && event_time(ends_[next_end_]) <= time; ++next_end_) {
-    const std::uint32_t place = event_place(ends_[next_end_]);
-    if (state_[place] == State::active) deactivate(place);
-    state_[place] = State::gone;
-  }
-  for (; next_begin_ < begins_.size() && event_time(begins_[next_begin_]) <= time; ++next_begin_) {
-    const std::uint32_t place = event_place(begins_[next_begin_]);
-    if (state_[place] != State::waiting) continue;
-    if (lies_behind(place))
-      hide(place);
-    else
-      activate(place);
-  }
-}
+Ticks PixelSweep::next_begin() const { return next_ < begins_.size() ? event_time(begins_[next_]) : never; }
 
 /// The first time to come at which something that is not hidden begins or ends. Hides on the way.
 Ticks PixelSweep::next_event() {
-  Ticks next = std::numeric_limits<Ticks>::max();
-  for (; next_begin_ < begins_.size(); ++next_begin_) {
-    const std::uint32_t place = event_place(begins_[next_begin_]);
-    // Where nothing is active there is nothing to be behind of.
-    if (active_.size() == 0 || !lies_behind(place)) {
-      next = event_time(begins_[next_begin_]);
-      break;
-    }
+  for (; next_ < begins_.size(); ++next_) {
+    const std::uint32_t place = event_place(begins_[next_]);
+    if (is_hidden_[place]) continue;
+    if (!lies_behind(indices_[place])) break;
     hide(place);
   }
-  for (; next_end_ < ends_.size() && event_time(ends_[next_end_]) < next; ++next_end_) {
-    const std::uint32_t place = event_place(ends_[next_end_]);
-    if (state_[place] == State::active) return event_time(ends_[next_end_]);
-    state_[place] = State::gone;
-  }
+  Ticks next = next_begin();
+  const float* const ends = active_.members.field(member_t_end);
+  for (std::size_t i = 0; i < active_.members.size(); ++i)
+    next = std::min(next, std::bit_cast<Ticks>(ends[i]));
   return next;
 }
 
-bool PixelSweep::lies_behind(std::uint32_t place) const {
-  return front_limit_ != infinity && local_[place].least_depth > front_limit_ + front_margin_;
+/// Makes active what begins before that time, or hides it.
+void PixelSweep::admit(Ticks before) {
+  for (; next_ < begins_.size() && event_time(begins_[next_]) < before; ++next_) {
+    const std::uint32_t place = event_place(begins_[next_]), f = indices_[place];
+    if (is_hidden_[place]) continue;
+    if (lies_behind(f))
+      hide(place);
+    else
+      active_.push(place, member_of(*fragments_, f, shades_[fragments_->kernel[f]]));
+  }
+}
+
+/// Takes back what admit() let in too soon: what begins at or after that time.
+void PixelSweep::withdraw(Ticks from) {
+  while (active_.members.size() > 0 && active_.members.t_begin(active_.members.size() - 1) >= from)
+    active_.pop();
+  while (next_ > 0 && event_time(begins_[next_ - 1]) >= from) --next_;
+}
+
+/// What ends at or before that time goes.
+void PixelSweep::let_go(Ticks time) {
+  for (std::size_t i = active_.members.size(); i-- > 0;)
+    if (active_.members.t_end(i) <= time) active_.remove(i);
+}
+
+float PixelSweep::least_depth(std::size_t f) const {
+  const float z = fragments_->z[f];
+  return std::min(z, z + fragments_->z_rate[f] *
+                             static_cast<float>(share_of(fragments_->t_end[f] - fragments_->t_begin[f])));
+}
+
+bool PixelSweep::lies_behind(std::size_t f) const {
+  return front_limit_ != infinity && least_depth(f) > front_limit_;
 }
 
 void PixelSweep::hide(std::uint32_t place) {
-  hidden_min_z_ = std::min(hidden_min_z_, local_[place].least_depth);
+  hidden_min_z_ = std::min(hidden_min_z_, least_depth(indices_[place]));
+  hidden_last_end_ = std::max(hidden_last_end_, fragments_->t_end[indices_[place]]);
   hidden_.push_back(place);
-  state_[place] = State::hidden;
+  is_hidden_[place] = 1;
   ++counters_->hidden;
 }
 
-/// After an opaque piece: puts aside the active members it did not use, where they stay behind for good.
-void PixelSweep::hide_what_is_behind() {
-  for (std::size_t i = active_.size(); i-- > 0;) {
-    const std::uint32_t place = place_[i];
-    if (!lies_behind(place)) continue;
-    deactivate(place);
+/// After an opaque piece that ends at `time`: puts aside what stays behind its surfaces for good.
+void PixelSweep::hide_what_is_behind(float limit, Ticks time) {
+  front_limit_ = limit;
+  const float* const z = active_.members.field(member_z);
+  for (std::size_t i = active_.members.size(); i-- > 0;) {
+    if (!(z[i] > limit) || active_.members.t_end(i) <= time) continue;
+    const std::uint32_t place = active_.place_of_slot[i];
+    if (!lies_behind(indices_[place])) continue;
+    active_.remove(i);
     hide(place);
   }
 }
@@ -157,28 +172,125 @@ void PixelSweep::hide_what_is_behind() {
 void PixelSweep::reveal(Ticks time) {
   ++counters_->revealed;
   front_limit_ = infinity;
+  withdraw(time + 1);
+  const std::uint64_t to_come = next_ < begins_.size() ? begins_[next_] : ~std::uint64_t{0};
   for (const std::uint32_t place : hidden_) {
-    if (local_[place].t_end <= time)
-      state_[place] = State::gone;
-    else if (local_[place].t_begin() <= time)
-      activate(place);
-    else
-      state_[place] = State::waiting;
+    const std::uint32_t f = indices_[place];
+    is_hidden_[place] = 0;
+    // What is still to come will be let in then.
+    if (event_key(fragments_->t_begin[f], place) < to_come && fragments_->t_end[f] > time)
+      active_.push(place, member_of(*fragments_, f, shades_[fragments_->kernel[f]]));
   }
-  hidden_.clear();
-  hidden_min_z_ = infinity;
-  // Events passed over since `time` are to come again.
-  const auto after = [&](const std::vector<std::uint64_t>& events) {
-    const auto first = std::upper_bound(events.begin(), events.end(), time,
-                                        [](Ticks t, std::uint64_t key) { return t < event_time(key); });
-    return static_cast<std::size_t>(first - events.begin());
-  };
-  next_begin_ = after(begins_);
-  next_end_ = after(ends_);
+  forget_hidden();
 }
 
-/// Resolves [begin, end], or up to the returned time if what is hidden has to be looked at from there.
-Ticks PixelSweep::resolve_until(Ticks begin, Ticks end, PixelSum& pixel) {
+/// What is hidden is no longer of interest.
+void PixelSweep::forget_hidden() {
+  hidden_.clear();
+  hidden_min_z_ = infinity;
+  hidden_last_end_ = 0;
+}
+
+/// Resolves one piece from `begin` on, up to the next event at least. Returns its end; `begin` itself if what
+/// is hidden has to be looked at from there.
+Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
+  const Ticks event = next_event();
+  if (active_.members.size() == 1 && step_ == 0 && hidden_.empty()) {
+    ++counters_->intervals;
+    ++counters_->evaluations;
+    front_limit_ = infinity;
+    add_lone(model_, active_.members, 0, begin, event, pixel);
+    return event;
+  }
+  Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), shutter_close) : event;
+  if (step_ > 0) admit(end);
+  bool failed = false;
+  while (step_ > 0) {
+    counters_->evaluations += active_.members.size();
+    FrontSum front = math_.front_over(active_.members.view(), begin, end);
+    const Ticks longest = longest_step(front.fastest);
+    const Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
+    if (kind == Front::covers || kind == Front::thin) {
+      if (!hidden_.empty() && !(kind == Front::covers && front.opaque && front.limit < hidden_min_z_)) {
+        reveal(begin);
+        return begin;
+      }
+      add_front(front, kind, share_of(end - begin), pixel);
+      ++counters_->intervals;
+      if (end > event) ++counters_->merged;
+      step_ = std::min(longest - longest / 8, (failed ? 1 : 2) * std::min(end - begin, shutter_close / 4));
+      if (kind == Front::covers && front.opaque) {
+        if (front.behind)
+          hide_what_is_behind(front.limit + front.margin, end);
+        else
+          front_limit_ = front.limit + front.margin;
+      } else {
+        front_limit_ = infinity;
+      }
+      return end;
+    }
+    if (kind == Front::too_long)
+      end = begin + longest;
+    else if (kind == Front::other || end <= event)
+      break;
+    else if (kind == Front::unsettled)
+      end = std::max(event, front.settled_until);
+    else
+      end = std::max(event, begin + (end - begin) / 2);
+    failed = true;
+    ++counters_->retried;
+    withdraw(end);
+  }
+  withdraw(std::max(begin + 1, std::min(end, event)));
+  return resolve_stack(begin, event, pixel);
+}
+
+/// How long a piece may be whose fastest kernel has that rate.
+Ticks PixelSweep::longest_step(float rate) {
+  if (rate != step_rate_) {
+    step_rate_ = rate;
+    longest_step_ =
+        std::max(static_cast<Ticks>(longest_piece(rate, longest_front_span, model_.delta()) * shutter_close),
+                 shortest_interval);
+  }
+  return longest_step_;
+}
+
+/// Whether the front is all that is seen over a piece, and its sums tell how much.
+PixelSweep::Front PixelSweep::kind_of(FrontSum& front, Ticks end) const {
+  if (front.settled_until < end) return Front::unsettled;
+  // Nowhere clamped, so that its sums are its light.
+  if (!model_.hard() && front.peaks <= model_.edge_weight()) return front.behind ? Front::other : Front::thin;
+  const float weight = front.mean.weight;
+  if (model_.hard() ? !(front.low > 0.0f) : front.low < model_.edge_weight())
+    return weight < model_.edge_weight() ? Front::other : Front::too_varied;
+  if (!few_jumps(front)) return Front::too_varied;
+  front.opaque = true;
+  for (const float sign : {-1.0f, 1.0f}) {
+    const SurfaceSum point = at_point(front.mean, front.swing, sign);
+    // A line that falls that much is no likeness.
+    if (!(point.weight > 0.25f * weight)) return Front::too_varied;
+    if (1.0f - point.rgba[3] * model_.scale(point) > opaque_transmittance) front.opaque = false;
+  }
+  return front.behind && !front.opaque ? Front::other : Front::covers;
+}
+
+void PixelSweep::add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const {
+  float transmittance = 1.0f;
+  if (kind == Front::thin) {
+    model_.add(front.mean, duration, transmittance, pixel);
+    return;
+  }
+  for (const float sign : {-1.0f, 1.0f}) {
+    transmittance = 1.0f;
+    model_.add(at_point(front.mean, front.swing, sign), 0.5 * duration, transmittance, pixel);
+  }
+}
+
+/// Resolves [begin, end], between two events, surface by surface; or up to the returned time if what is
+/// hidden has to be looked at from there.
+Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
+  step_ = 0;
   while (begin < end) {
     const Ticks piece_end = surfaces_.build(active_, begin, end, *counters_);
     const bool opaque = surfaces_.opaque();
@@ -187,9 +299,9 @@ Ticks PixelSweep::resolve_until(Ticks begin, Ticks end, PixelSum& pixel) {
       return begin;
     }
     surfaces_.composite(begin, piece_end, pixel, *counters_);
-    front_limit_ = opaque ? surfaces_.limit() : infinity;
-    front_margin_ = surfaces_.margin();
-    if (opaque && surfaces_.used() < active_.size()) hide_what_is_behind();
+    front_limit_ = infinity;
+    if (opaque) hide_what_is_behind(surfaces_.limit() + surfaces_.margin(), piece_end);
+    step_ = surfaces_.one_covers() ? piece_end - begin : 0;
     begin = piece_end;
   }
   return end;

@@ -2,22 +2,30 @@
 //
 // Source: model section 4; Carpenter's A-buffer as adapted by Heinzle et al. 2010, section 4.4, and the
 // events of Rönnow et al. 2021, Algorithm 1. Heinzle walks the intervals and trims the occluded ones; here
-// the walk is over events, so that between two of them the surfaces are made of the same fragments, and
-// normalisation is per interval instead of per pixel.
+// the walk is over pieces of the exposure, so that within one the surfaces are made of the same fragments,
+// and normalisation is per piece instead of per pixel.
 //
-// Most fragments are hidden most of the time. A fragment that begins well behind an opaque surface is put
-// aside and its events are passed over; every interval then proves that nothing put aside could have been
-// part of it, or takes all of them back and is done again. So this costs time when it guesses wrong, never
-// accuracy.
+// Three kinds of piece, the cheapest that holds:
+//
+//   lone    a single fragment: closed form, however long
+//   front   one surface that covers the pixel, or is too thin to cover it anywhere: fragments may begin and
+//   end
+//           within, for each is integrated over the time that it is there, and what each adds or takes is
+//           little
+//   stack   surfaces behind surfaces, or one that begins to cover: from event to event
+//
+// Most fragments are hidden most of the time. A fragment that begins behind an opaque surface is put aside
+// and its events are passed over; every piece then proves that nothing put aside could have been part of it,
+// or takes all of them back and is done again. So this costs time when it guesses wrong, never accuracy.
+//
+// So where a surface is dense its cost is that of its fragments and not that of their events times those that
+// are there at each.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "abuffer/resolve/members.h"
 #include "abuffer/resolve/surfaces.h"
 #include "splat/interval/composite.h"
 #include "splat/interval/fragments.h"
@@ -28,59 +36,67 @@ namespace swept {
 class PixelSweep {
  public:
   explicit PixelSweep(const SurfaceModel& model, const IntervalMath& math = interval_math_builds().back())
-      : surfaces_(model, math) {}
+      : model_(model), math_(math), surfaces_(model, math) {}
 
-  /// Resolves the `count` fragments `indices` of `fragments`, in any order but one that does not depend on
+  /// Resolves the `count` fragments `indices` of `fragments`, in any order, provided it does not depend on
   /// the order of the scene's points. Adds to `pixel` and `counters`.
   void resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
                const std::uint32_t* indices, std::size_t count, PixelSum& pixel, SweepCounters& counters);
 
  private:
-  enum class State : std::uint8_t { waiting, active, hidden, gone };
-
-  /// A fragment in the pixel's own array: what the sweep reads over and over, side by side.
-  struct Local {
-    Member member;
-    Ticks t_end;
-    float least_depth;  ///< over all of its time
-
-    [[nodiscard]] Ticks t_begin() const { return std::bit_cast<Ticks>(member[member_t_begin]); }
-  };
-
   void start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
              std::size_t count);
-  void sort_events(std::vector<std::uint64_t>& events);
-  void activate(std::uint32_t place);
-  void deactivate(std::uint32_t place);
-  void pass_events(Ticks time);
+  void sort_begins();
+  void admit(Ticks before);
+  void withdraw(Ticks from);
+  void let_go(Ticks time);
+  [[nodiscard]] Ticks next_begin() const;
   Ticks next_event();
+  [[nodiscard]] float least_depth(std::size_t f) const;
+  [[nodiscard]] bool lies_behind(std::size_t f) const;
   void hide(std::uint32_t place);
-  void hide_what_is_behind();
+  void hide_what_is_behind(float limit, Ticks time);
   void reveal(Ticks time);
-  [[nodiscard]] bool lies_behind(std::uint32_t place) const;
+  void forget_hidden();
 
-  Ticks resolve_until(Ticks begin, Ticks end, PixelSum& pixel);
+  /// What a piece's front is.
+  enum class Front {
+    covers,      ///< all that is seen, and everywhere at least the edge weight
+    thin,        ///< all that is there, and nowhere more than it
+    too_long,    ///< for its fastest kernel
+    unsettled,   ///< it loses or gains members in a way that sums cannot tell
+    too_varied,  ///< a shorter piece may do
+    other        ///< surfaces behind it are seen
+  };
+  [[nodiscard]] Front kind_of(FrontSum& front, Ticks end) const;
+  void add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const;
+  Ticks advance(Ticks begin, PixelSum& pixel);
+  Ticks resolve_stack(Ticks begin, Ticks end, PixelSum& pixel);
+  [[nodiscard]] Ticks longest_step(float rate);
 
+  SurfaceModel model_;
+  IntervalMath math_;
   SurfaceStack surfaces_;
 
   // One call's input: place in `indices` → fragment.
-  std::vector<Local> local_;
+  const FragmentArrays* fragments_ = nullptr;
+  const Shade* shades_ = nullptr;
+  const std::uint32_t* indices_ = nullptr;
   SweepCounters* counters_ = nullptr;
 
-  // Events, and where each place stands.
-  std::vector<std::uint64_t> begins_, ends_;  ///< time above, place below; sorted
-  std::size_t next_begin_ = 0, next_end_ = 0;
+  std::vector<std::uint64_t> begins_, by_bucket_;  ///< time above, place below; sorted
   std::vector<std::uint32_t> buckets_;
-  std::vector<std::uint64_t> by_bucket_;
-  std::vector<State> state_;
-  std::vector<std::uint32_t> slot_;   ///< place → active_, of the active ones
-  std::vector<std::uint32_t> place_;  ///< active_ → place
-  MemberSet active_;
-  std::vector<std::uint32_t> hidden_;
-  float hidden_min_z_ = std::numeric_limits<float>::infinity();
+  std::size_t next_ = 0;  ///< of begins_: the first that is not active yet
+  ActiveSet active_;
+  std::vector<std::uint32_t> hidden_;    ///< places
+  std::vector<std::uint8_t> is_hidden_;  ///< by place
+  float hidden_min_z_ = 0.0f;            ///< no more than the depth of anything hidden
+  Ticks hidden_last_end_ = 0;            ///< when the last of it ends
   /// Depth beyond which nothing shows: of the last piece, +∞ unless it was opaque.
-  float front_limit_ = std::numeric_limits<float>::infinity();
-  float front_margin_ = 0.0f;
+  float front_limit_ = 0.0f;
+  float step_rate_ = -1.0f;  ///< of the last call of longest_step(), and what it gave
+  Ticks longest_step_ = 0;
+  Ticks step_ = 0;  ///< how long the next piece may be if the last one was a front; 0 if it was not
 };
 
 }  // namespace swept

@@ -11,6 +11,7 @@ namespace swept {
 // interval_math_scalar.cpp
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
+FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
 
 namespace {
 
@@ -22,22 +23,36 @@ MemberSum sum_over_default(const Members& members, Ticks begin, Ticks end, float
   return sum_over_text(members, begin, end, mean);
 }
 
-#if defined(SWEPT_AVX2)
-__attribute__((target("avx2"))) DepthRange depths_over_avx2(const Members& members, Ticks begin, Ticks end,
-                                                            float* z_begin, float* z_end) {
-  return depths_over_text(members, begin, end, z_begin, z_end);
+FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
+  return front_over_text(members, begin, end);
 }
 
-__attribute__((target("avx2"))) MemberSum sum_over_avx2(const Members& members, Ticks begin, Ticks end,
-                                                        float* mean) {
-  return sum_over_text(members, begin, end, mean);
-}
+#if defined(SWEPT_AVX2)
+#define SWEPT_BUILD(name, isa)                                                                               \
+  __attribute__((target(isa))) FrontSum front_over_##name(const Members& members, Ticks begin, Ticks end) {  \
+    return front_over_text(members, begin, end);                                                             \
+  }                                                                                                          \
+  __attribute__((target(isa))) DepthRange depths_over_##name(const Members& members, Ticks begin, Ticks end, \
+                                                             float* z_begin, float* z_end) {                 \
+    return depths_over_text(members, begin, end, z_begin, z_end);                                            \
+  }                                                                                                          \
+  __attribute__((target(isa)))                                                                               \
+  MemberSum sum_over_##name(const Members& members, Ticks begin, Ticks end, float* mean) {                   \
+    return sum_over_text(members, begin, end, mean);                                                         \
+  }
+
+SWEPT_BUILD(avx2, "avx2")
+// Twice the registers and masks for comparisons; vectors stay as wide.
+SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=256")
+#undef SWEPT_BUILD
 #endif
 
-constexpr std::array builds = {IntervalMath{"scalar", depths_over_scalar, sum_over_scalar},
-                               IntervalMath{"default", depths_over_default, sum_over_default},
+constexpr std::array builds = {
+    IntervalMath{"scalar", depths_over_scalar, sum_over_scalar, front_over_scalar},
+    IntervalMath{"default", depths_over_default, sum_over_default, front_over_default},
 #if defined(SWEPT_AVX2)
-                               IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2}
+    IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2, front_over_avx2},
+    IntervalMath{"AVX-512", depths_over_avx512, sum_over_avx512, front_over_avx512}
 #endif
 };
 
@@ -46,6 +61,9 @@ constexpr std::array builds = {IntervalMath{"scalar", depths_over_scalar, sum_ov
 std::span<const IntervalMath> interval_math_builds() {
   std::size_t present = builds.size();
 #if defined(SWEPT_AVX2)
+  if (!__builtin_cpu_supports("avx512vl") || !__builtin_cpu_supports("avx512bw") ||
+      !__builtin_cpu_supports("avx512dq"))
+    --present;
   if (!__builtin_cpu_supports("avx2")) --present;
 #endif
   return std::span(builds).first(present);

@@ -25,6 +25,8 @@ enum MemberField : std::size_t {
   member_green,
   member_blue,
   member_alpha,
+  member_t_end,  ///< Ticks, by their bits
+  member_jump,   ///< a bound of ρ where the fragment begins and where it ends
   member_fields
 };
 
@@ -52,6 +54,25 @@ struct MemberSum {
   float widest = 0.0f;     ///< the farthest a member moves along its line, in units of y
 };
 
+/// Weighted by each member's ρ over a piece of time in which members may begin and end.
+///
+/// ρ over the piece is replaced by the straight line that has its mean and its first moment: `mean` ± `swing`
+/// are that line's values at Gauss's two points. So sums are exact, and products of two are to fourth order.
+struct FrontSum {
+  SurfaceSum mean;
+  float low = 0.0f;    ///< Σρ of the front is nowhere less
+  float jumps = 0.0f;  ///< Σ of the ρ by which fragments of the front begin and end within the piece
+  SurfaceSum swing;
+  float peaks = 0.0f;       ///< Σρ of the front is nowhere more
+  float squares = 0.0f;     ///< Σ of the squares of those jumps
+  float fastest = 0.0f;     ///< the largest rate in the front
+  float limit = 0.0f;       ///< nothing that stays deeper than this is part of it
+  float margin = 0.0f;      ///< twice the largest tolerance
+  bool opaque = false;      ///< for the caller to find out
+  bool behind = false;      ///< something lies behind the front
+  Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
+};
+
 /// The arithmetic as built for one instruction set. All builds give the same bits.
 struct IntervalMath {
   const char* name;
@@ -64,6 +85,10 @@ struct IntervalMath {
   /// y + rate·(τ − t_begin). That rounding, 2⁻²⁴ (|y| + 3 rate·(τ − t_begin)), is the size of those in
   /// the fragment's own numbers, and costs 2|y| times as much of the mean.
   MemberSum (*sum_over)(const Members& members, Ticks begin, Ticks end, float* mean);
+
+  /// The nearest surface over [begin, end], of members that may begin and end within: at every instant those
+  /// within the nearest one's tolerance of it. Precondition: begin < end.
+  FrontSum (*front_over)(const Members& members, Ticks begin, Ticks end);
 };
 
 /// Those this processor can run: first the plain loops that define what the others compute, last the widest.

@@ -138,6 +138,237 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, Ticks begin, Ticks 
   return sum;
 }
 
+/// Of a piece, the times in which one member stays the nearest, and how deep the front reaches in each.
+struct FrontTimes {
+  static constexpr int most = 8;
+  struct Span {
+    Ticks begin, end;
+    float limit_begin, limit_end;
+  };
+  Span span[most];
+  int count = 0;
+  Ticks settled_until = 0;  ///< where the spans end
+};
+
+SWEPT_INLINE void find_front_times(const Members& members, Ticks begin, Ticks end, FrontTimes& times) {
+  const float *t = members.field(member_t_begin), *t_end = members.field(member_t_end),
+              *z = members.field(member_z), *z_rate = members.field(member_z_rate),
+              *tolerance = members.field(member_tolerance);
+  constexpr float beyond = std::numeric_limits<float>::max();
+  times.count = 0;
+  Ticks now = begin;
+  while (now < end && times.count < FrontTimes::most) {
+    // The nearest of those that are there.
+    Lanes least = all(beyond);
+    LaneTicks least_at = all_ticks(0);
+    const LaneTicks at_now = all_ticks(now);
+    LaneTicks place = first_eight();
+    for (std::size_t i = 0; i < members.padded; i += member_lanes, place = place + all_ticks(member_lanes)) {
+      const LaneBits there = below(load_ticks(t + i), all_ticks(now + 1)) &
+                             below(at_now, load_ticks(t_end + i)) & lanes_below(members.count - i);
+      const Lanes depth = choose(there, load(z + i) + load(z_rate + i) * since(now, t + i), all(beyond));
+      const LaneBits nearer = ~at_most(least, depth);
+      least = choose(nearer, depth, least);
+      least_at = choose(nearer, place, least_at);
+    }
+    float depth = beyond;
+    std::int32_t nearest = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t i = 0; i < member_lanes; ++i)
+      if (least[i] < depth || (least[i] == depth && least_at[i] < nearest)) {
+        depth = least[i];
+        nearest = least_at[i];
+      }
+    const bool found = depth < beyond;
+    Ticks until = end;
+    float slope = 0.0f;
+    if (found) {
+      until = std::min(until, std::bit_cast<Ticks>(t_end[nearest]));
+      slope = z_rate[nearest];
+    }
+
+    // Until it ends, something nearer begins, or it is overtaken.
+    LaneTicks sooner_begin = all_ticks(until);
+    LaneBits overtaken = lanes_below(0);
+    for (std::size_t i = 0; i < members.padded; i += member_lanes) {
+      const LaneTicks born = load_ticks(t + i), from = later(born, at_now),
+                      to = sooner(load_ticks(t_end + i), all_ticks(until));
+      const LaneBits there = below(from, to) & lanes_below(members.count - i);
+      const Lanes rate = load(z_rate + i);
+      const Lanes behind = (load(z + i) + rate * (floats_from(from - born) * per_tick)) -
+                           (depth + slope * (floats_from(from - at_now) * per_tick));
+      const LaneBits comes = there & below(at_now, born) & ~at_most(all(0.0f), behind);
+      sooner_begin = choose(comes, sooner(sooner_begin, born), sooner_begin);
+      const Lanes behind_at_end = behind + (rate - slope) * (floats_from(to - from) * per_tick);
+      overtaken = overtaken | (there & ~comes & ~at_most(all(0.0f), behind_at_end));
+    }
+    if (found && any(overtaken)) {
+      for (std::size_t k = 0; k < members.count; ++k) {
+        const Ticks born = std::bit_cast<Ticks>(t[k]), from = std::max(born, now);
+        const Ticks to = std::min(std::bit_cast<Ticks>(t_end[k]), until);
+        const float closing = slope - z_rate[k];
+        if (!(from < to) || !(closing > 0.0f)) continue;
+        const double behind = (z[k] + double{z_rate[k]} * share_of(from - born)) -
+                              (depth + double{slope} * share_of(from - now));
+        const double wait = std::max(behind, 0.0) / closing;
+        if (wait < share_of(to - from))
+          until = std::min(until, from + static_cast<Ticks>(wait * shutter_close) + 1);
+      }
+    }
+    for (std::size_t i = 0; i < member_lanes; ++i) until = std::min<Ticks>(until, sooner_begin[i]);
+    const float reach = found ? tolerance[nearest] : 0.0f, limit = found ? depth + reach : -beyond;
+    times.span[times.count++] = {now, until, limit,
+                                 found ? limit + slope * static_cast<float>(share_of(until - now)) : -beyond};
+    now = until;
+  }
+  times.settled_until = now;
+}
+
+SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks end) {
+  const float *t = members.field(member_t_begin), *t_end = members.field(member_t_end),
+              *y = members.field(member_y), *rate = members.field(member_rate),
+              *peak = members.field(member_peak), *z = members.field(member_z),
+              *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
+              *jump = members.field(member_jump);
+  const float *red_of = members.field(member_red), *green_of = members.field(member_green),
+              *blue_of = members.field(member_blue), *alpha_of = members.field(member_alpha);
+  const auto duration = static_cast<float>(share_of(end - begin));
+  constexpr float beyond = std::numeric_limits<float>::max();
+  const LaneTicks first = all_ticks(begin), last = all_ticks(end);
+
+  // The lower envelope at both ends, as if all were there all the time.
+  Lanes min_begin = all(beyond), min_end = min_begin, max_begin = all(-beyond), max_end = max_begin,
+        min_tolerance = min_begin, max_tolerance = all(0.0f);
+  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
+    const LaneBits present = below(later(load_ticks(t + i), first), sooner(load_ticks(t_end + i), last)) &
+                             lanes_below(members.count - i);
+    const Lanes slope = load(z_rate + i);
+    const Lanes at_begin = load(z + i) + slope * since(begin, t + i), at_end = at_begin + slope * duration;
+    min_begin = smaller(min_begin, choose(present, at_begin, all(beyond)));
+    min_end = smaller(min_end, choose(present, at_end, all(beyond)));
+    max_begin = larger(max_begin, choose(present, at_begin, all(-beyond)));
+    max_end = larger(max_end, choose(present, at_end, all(-beyond)));
+    const Lanes reach = load(tolerance + i);
+    min_tolerance = smaller(min_tolerance, choose(present, reach, all(beyond)));
+    max_tolerance = larger(max_tolerance, only(present, reach));
+  }
+  FrontSum sum;
+  sum.margin = 2.0f * largest(max_tolerance);
+  FrontTimes times;
+  times.count = 1;
+  times.settled_until = end;
+  const float nearest_begin = smallest(min_begin), nearest_end = smallest(min_end);
+  const float within = smallest(min_tolerance);
+  if (largest(max_begin) - nearest_begin <= within && largest(max_end) - nearest_end <= within) {
+    times.span[0] = {begin, end, beyond, beyond};
+    sum.limit = std::max(largest(max_begin), largest(max_end)) + largest(max_tolerance);
+  } else {
+    find_front_times(members, begin, end, times);
+    sum.limit = -beyond;
+    for (int k = 0; k < times.count; ++k)
+      sum.limit = std::max({sum.limit, times.span[k].limit_begin, times.span[k].limit_end});
+  }
+  sum.settled_until = times.settled_until;
+  if (times.settled_until < end) return sum;
+
+  Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,
+        low = weight, jumps = weight, weight_swing = weight, red_swing = weight, green_swing = weight,
+        blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, squares = weight,
+        low_slope = weight, fastest = weight, reaches = weight;
+  LaneBits behind = lanes_below(0), unsettled = behind;
+  const float per_duration = 1.0f / static_cast<float>(end - begin);
+  constexpr float root_third = 0.577350269f;
+  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
+    const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
+    const Lanes slope = load(z_rate + i);
+    const Lanes at_begin = load(z + i) + slope * since(begin, t + i), at_end = at_begin + slope * duration;
+    const LaneBits lanes = lanes_below(members.count - i);
+    LaneTicks from = last, to = first, in_all = all_ticks(0);
+    for (int k = 0; k < times.count; ++k) {
+      const FrontTimes::Span& part = times.span[k];
+      const LaneTicks begins = later(born, all_ticks(part.begin)), ends = sooner(dies, all_ticks(part.end));
+      const LaneBits there = below(begins, ends) & lanes;
+      LaneBits in_front = there;
+      if (part.limit_begin < beyond) {
+        const Lanes at = load(z + i);
+        const LaneBits in_at_begin = at_most(at + slope * since(part.begin, t + i), all(part.limit_begin));
+        const LaneBits in_at_end = at_most(at + slope * since(part.end, t + i), all(part.limit_end));
+        unsettled = unsettled | (there & ((in_at_begin & ~in_at_end) | (in_at_end & ~in_at_begin)));
+        in_front = there & in_at_begin & in_at_end;
+        behind = behind | (there & ~in_front);
+      }
+      from = choose(in_front, sooner(from, begins), from);
+      to = choose(in_front, later(to, ends), to);
+      in_all = in_all + choose(in_front, ends - begins, all_ticks(0));
+    }
+    const LaneBits in_front = below(from, to);
+    // One that leaves the front and comes back.
+    unsettled = unsettled | (in_front & below(in_all, to - from));
+    const LaneBits partial = below(first, from) | below(to, last);
+    const LaneBits cut_off = (below(born, from) & below(first, from)) | (below(to, dies) & below(to, last));
+
+    // ρ about the middle of the time that the member is there.
+    const Lanes ticks = only(in_front, floats_from(to - from));
+    const Lanes there = ticks * per_tick;
+    const Lanes speed = only(in_front, load(rate + i)), span = speed * there;
+    const Lanes middle = load(y + i) + speed * (floats_from(from - born) * per_tick + 0.5f * there);
+    const Lanes of_exp = within_exp(middle);
+    const Lanes highest = only(in_front, load(peak + i));
+    const Lanes at_middle = highest * exp_minus_square(of_exp);
+    const Lanes m = at_middle * GaussianSeries<float>::factor(of_exp, span);
+    // Where the first term dropped of the series is below 10⁻⁶: (m s)¹⁰/11! + s¹⁰/(4⁵·5!·11).
+    reaches = larger(reaches, larger(span * 1.25f, span * of_exp * (1.0f / 1.4f)));
+    fastest = larger(fastest, speed);
+
+    // Of the piece the member's share, and how far after the piece's middle its own is.
+    const Lanes share = choose(partial, ticks * per_duration, only(in_front, all(1.0f)));
+    const Lanes after = (floats_from(from - first) - floats_from(last - to)) * (0.5f * per_duration);
+    // The first terms of gaussian_centroid().
+    const Lanes x = larger(smaller(middle, all(9.3f)), all(-9.3f)) * span, square = x * x + span * span;
+    const Lanes centroid = x * ((1.0f / 90.0f) * square - (1.0f / 6.0f));
+    const Lanes mean = share * m;
+    const Lanes swing = mean * (after + share * centroid) * (6.0f * root_third);
+
+    const Lanes z_middle = 0.5f * (at_begin + at_end), z_swing = slope * (0.5f * root_third * duration);
+    weight += mean;
+    weight_swing += swing;
+    const Lanes r = load(red_of + i), g = load(green_of + i), b = load(blue_of + i), a = load(alpha_of + i);
+    red += mean * r;
+    green += mean * g;
+    blue += mean * b;
+    alpha += mean * a;
+    red_swing += swing * r;
+    green_swing += swing * g;
+    blue_swing += swing * b;
+    alpha_swing += swing * a;
+    depth += mean * z_middle + swing * z_swing;
+    depth_swing += swing * z_middle + mean * z_swing;
+    peaks += highest;
+    // exp(−(m + st)²) ≥ exp(−m²) (1 − 2mst − s²t²), |t| ≤ ½: least where the sum of the slopes says.
+    const Lanes all_along = only(~partial, at_middle);
+    low += all_along * (1.0f - 0.25f * (span * span));
+    low_slope += all_along * x;
+    const Lanes step = only(partial & in_front, choose(cut_off, m * (1.0f + magnitude(x)), load(jump + i)));
+    jumps += step;
+    squares += step * step;
+  }
+  static_assert(offsetof(FrontSum, jumps) == 7 * sizeof(float) &&
+                    offsetof(FrontSum, swing) == 8 * sizeof(float) &&
+                    offsetof(FrontSum, peaks) == 14 * sizeof(float),
+                "totals in the order of its members");
+  const Lanes means = totals(weight, red, green, blue, alpha, depth, low, jumps);
+  const Lanes swings =
+      totals(weight_swing, red_swing, green_swing, blue_swing, alpha_swing, depth_swing, peaks, squares);
+  std::memcpy(static_cast<void*>(&sum), &means, sizeof means);
+  std::memcpy(static_cast<void*>(&sum.swing), &swings, sizeof swings);
+  sum.low = std::max(0.0f, sum.low - std::abs(total(low_slope)));
+  sum.fastest = largest(fastest);
+  sum.behind = any(behind);
+  if (!(largest(reaches) <= 1.0f)) sum.settled_until = begin;
+  // Where, is not known; until the front's nearest changes first, nothing comes back.
+  if (any(unsettled)) sum.settled_until = times.count > 1 ? times.span[1].begin : begin;
+  return sum;
+}
+
 }  // namespace
 }  // namespace swept
 

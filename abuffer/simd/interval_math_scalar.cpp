@@ -6,6 +6,7 @@ namespace swept {
 
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
+FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
 
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
@@ -13,6 +14,10 @@ DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, fl
 
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean) {
   return sum_over_text(members, begin, end, mean);
+}
+
+FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end) {
+  return front_over_text(members, begin, end);
 }
 
 }  // namespace swept

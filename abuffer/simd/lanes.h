@@ -90,6 +90,44 @@ inline LaneBits operator+(const LaneBits& a, const LaneBits& b) {
   return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] + b[i]; });
 }
 
+using LaneTicks = EightOf<std::int32_t>;
+inline LaneTicks all_ticks(std::int32_t x) {
+  return by_lane<std::int32_t>([&](std::size_t) { return x; });
+}
+inline LaneTicks operator-(const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::int32_t>([&](std::size_t i) { return a[i] - b[i]; });
+}
+inline LaneTicks operator+(const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::int32_t>([&](std::size_t i) { return a[i] + b[i]; });
+}
+inline LaneTicks later(const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::int32_t>([&](std::size_t i) { return a[i] > b[i] ? a[i] : b[i]; });
+}
+inline LaneTicks sooner(const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::int32_t>([&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
+}
+inline Lanes floats_from(const LaneTicks& a) {
+  return by_lane<float>([&](std::size_t i) { return static_cast<float>(a[i]); });
+}
+/// All ones where a < b, or a ≤ b.
+inline LaneBits below(const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] < b[i] ? ~0u : 0u; });
+}
+inline LaneBits at_most(const Lanes& a, const Lanes& b) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] <= b[i] ? ~0u : 0u; });
+}
+inline LaneBits operator|(const LaneBits& a, const LaneBits& b) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return a[i] | b[i]; });
+}
+inline LaneBits operator~(const LaneBits& a) {
+  return by_lane<std::uint32_t>([&](std::size_t i) { return ~a[i]; });
+}
+inline bool any(const LaneBits& a) {
+  std::uint32_t bits = 0;
+  for (const std::uint32_t lane : a.lane) bits |= lane;
+  return bits != 0;
+}
+
 inline float largest(const Lanes& a) {
   float value = a[0];
   for (const float other : a.lane) value = other > value ? other : value;
@@ -106,6 +144,13 @@ inline LaneBits lanes_below(std::size_t count) {
 }
 inline Lanes choose(const LaneBits& mask, const Lanes& a, const Lanes& b) {
   return by_lane<float>([&](std::size_t i) { return mask[i] ? a[i] : b[i]; });
+}
+inline LaneTicks choose(const LaneBits& mask, const LaneTicks& a, const LaneTicks& b) {
+  return by_lane<std::int32_t>([&](std::size_t i) { return mask[i] ? a[i] : b[i]; });
+}
+inline LaneTicks first_eight() { return {{0, 1, 2, 3, 4, 5, 6, 7}}; }
+inline float total(const Lanes& v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 /// Each argument's sum of lanes, added up in this order.
 inline Lanes totals(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d, const Lanes& e,
@@ -131,6 +176,19 @@ SWEPT_INLINE Lanes floats_from(const LaneBits& a) {
   return __builtin_convertvector((Integers)a, Lanes);
 }
 
+using LaneTicks = std::int32_t __attribute__((vector_size(32)));
+SWEPT_INLINE LaneTicks all_ticks(std::int32_t x) { return x - LaneTicks{}; }
+SWEPT_INLINE LaneTicks later(const LaneTicks& a, const LaneTicks& b) { return a > b ? a : b; }
+SWEPT_INLINE LaneTicks sooner(const LaneTicks& a, const LaneTicks& b) { return a < b ? a : b; }
+SWEPT_INLINE Lanes floats_from(const LaneTicks& a) { return __builtin_convertvector(a, Lanes); }
+SWEPT_INLINE LaneBits below(const LaneTicks& a, const LaneTicks& b) { return (LaneBits)(a < b); }
+SWEPT_INLINE LaneBits at_most(const Lanes& a, const Lanes& b) { return (LaneBits)(a <= b); }
+SWEPT_INLINE bool any(const LaneBits& a) {
+  using Halves = std::uint64_t __attribute__((vector_size(32)));
+  const Halves h = (Halves)a;
+  return ((h[0] | h[1]) | (h[2] | h[3])) != 0;
+}
+
 SWEPT_INLINE float largest(const Lanes& a) {
   const Lanes b = larger(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
   const Lanes c = larger(b, __builtin_shufflevector(b, b, 2, 3, 0, 1, 6, 7, 4, 5));
@@ -145,6 +203,16 @@ SWEPT_INLINE LaneBits lanes_below(std::size_t count) {
 }
 SWEPT_INLINE Lanes choose(const LaneBits& mask, const Lanes& a, const Lanes& b) {
   return floats_of((bits_of(a) & mask) | (bits_of(b) & ~mask));
+}
+SWEPT_INLINE LaneTicks choose(const LaneBits& mask, const LaneTicks& a, const LaneTicks& b) {
+  return (LaneTicks)(((LaneBits)a & mask) | ((LaneBits)b & ~mask));
+}
+SWEPT_INLINE LaneTicks first_eight() { return LaneTicks{0, 1, 2, 3, 4, 5, 6, 7}; }
+
+SWEPT_INLINE float total(const Lanes& a) {
+  const Lanes b = a + __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3);
+  const Lanes c = b + __builtin_shufflevector(b, b, 2, 3, 0, 1, 6, 7, 4, 5);
+  return c[0] + c[1];
 }
 
 /// Each argument's sum of lanes, added up as ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7)): adds halves, quarters
@@ -174,6 +242,11 @@ SWEPT_INLINE Lanes load(const float* from) {
   return lanes;
 }
 SWEPT_INLINE LaneBits load_bits(const float* from) { return bits_of(load(from)); }
+SWEPT_INLINE LaneTicks load_ticks(const float* from) {
+  LaneTicks lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
 SWEPT_INLINE void store(const Lanes& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
 /// `a` in the lanes of `mask`, zero in the others.
 SWEPT_INLINE Lanes only(const LaneBits& mask, const Lanes& a) { return floats_of(bits_of(a) & mask); }

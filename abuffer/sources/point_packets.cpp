@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "abuffer/parallel.h"
+#include "splat/motion/instant.h"
 
 namespace swept {
 namespace {
@@ -49,14 +50,32 @@ std::uint32_t along_hilbert_curve(std::array<std::uint32_t, 3> x) {
   return place;
 }
 
+/// join(…) of what `of` returns for runs of [0, count), joined in their order.
+template <class T, class Of, class Join>
+T reduced(std::size_t count, T start, const Of& of, const Join& join) {
+  constexpr std::size_t run = 1 << 14;
+  std::vector<T> parts((count + run - 1) / run);
+  parallel_for_each_index(parts.size(),
+                          [&](std::size_t i) { parts[i] = of(i * run, std::min((i + 1) * run, count)); });
+  for (const T& part : parts) start = join(start, part);
+  return start;
+}
+
+struct Box {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
 /// Everything that tells one point from another.
 class Content {
  public:
-  Content(const SurfelCloud& cloud, const std::vector<double>& frames) : cloud_(cloud), frames_(frames) {}
+  Content(const SurfelCloud& cloud, const std::vector<double>& frames) : cloud_(cloud) {
+    for (const double frame : frames) poses_.emplace_back(cloud, frame);
+  }
 
   [[nodiscard]] bool less(std::size_t a, std::size_t b) const {
-    for (const double frame : frames_) {
-      const SurfelInstant s = surfel_at(cloud_, a, frame), t = surfel_at(cloud_, b, frame);
+    for (const SurfelsAt& pose : poses_) {
+      const SurfelInstant s = pose[a], t = pose[b];
       for (const auto& [v, w] : {std::pair(&s.position, &t.position), std::pair(&s.axis_u, &t.axis_u),
                                  std::pair(&s.axis_v, &t.axis_v)})
         for (int i = 0; i < 3; ++i)
@@ -74,8 +93,8 @@ class Content {
       hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0xbf58476d1ce4e5b9ULL;
       hash ^= hash >> 29;
     };
-    for (const double frame : frames_) {
-      const SurfelInstant s = surfel_at(cloud_, i, frame);
+    for (const SurfelsAt& pose : poses_) {
+      const SurfelInstant s = pose[i];
       for (const Eigen::Vector3d* v : {&s.position, &s.axis_u, &s.axis_v})
         for (int k = 0; k < 3; ++k) mix((*v)[k]);
     }
@@ -87,7 +106,7 @@ class Content {
 
  private:
   const SurfelCloud& cloud_;
-  const std::vector<double>& frames_;
+  std::vector<SurfelsAt> poses_;
 };
 
 /// Least significant digit first, in three digits of 10 bits: the upper halves decide, equal ones keep their
@@ -107,19 +126,29 @@ void sort_by_upper_half(std::vector<std::uint64_t>& entries) {
 /// Points along a space-filling curve; those in one cell of it by content.
 std::vector<std::uint32_t> content_order(const SurfelCloud& cloud, const std::vector<double>& frames) {
   const std::size_t count = cloud.size();
-  const double frame = frames.front();
-  std::vector<Eigen::Vector3d> at(count);
-  parallel_for_each_index(count, [&](std::size_t i) { at[i] = surfel_at(cloud, i, frame).position; });
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Eigen::Vector3d& p : at) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const SurfelsAt pose(cloud, frames.front());
+  const auto [low, high] = reduced(
+      count, Box{},
+      [&](std::size_t begin, std::size_t end) {
+        Box box;
+        for (std::size_t i = begin; i != end; ++i) {
+          const Eigen::Vector3d p = pose[i].position;
+          box = {box.low.cwiseMin(p), box.high.cwiseMax(p)};
+        }
+        return box;
+      },
+      [](const Box& a, const Box& b) {
+        return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
+      });
   // Halves, and a quotient of differences: neither overflows.
   const Eigen::Vector3d range = 0.5 * high - 0.5 * low;
   const double widest = range.maxCoeff();
   std::vector<std::uint64_t> entries(count);
-  parallel_for_each_index(count, [&](std::size_t i) {
+  parallel_for_each_index(count, [&, low = low](std::size_t i) {
+    const Eigen::Vector3d at = pose[i].position;
     std::array<std::uint32_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis) {
-      const double place = widest > 0.0 ? (0.5 * at[i][axis] - 0.5 * low[axis]) / widest : 0.0;
+      const double place = widest > 0.0 ? (0.5 * at[axis] - 0.5 * low[axis]) / widest : 0.0;
       cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(place * 1023.0);
     }
     entries[i] = std::uint64_t{along_hilbert_curve(cell)} << 32 | i;
@@ -141,46 +170,43 @@ std::vector<std::uint32_t> content_order(const SurfelCloud& cloud, const std::ve
   return order;
 }
 
-void pack_positions(const SurfelCloud& cloud, PointPackets& packets) {
+/// Origins, offsets, axes and the spheres that hold them.
+void pack_poses(const SurfelCloud& cloud, PointPackets& packets) {
   const std::size_t padded = packets.count * packet_size;
-  for (const double frame : packets.frames) {
+  packets.radius.assign(packets.count, 0.0f);
+  // Velocities do not turn discs.
+  const std::size_t turning = cloud.keys.size() == 1 ? 1 : packets.frames.size();
+  for (std::size_t pose = 0; pose < packets.frames.size(); ++pose) {
+    const SurfelsAt surfels(cloud, packets.frames[pose]);
     std::vector<Eigen::Vector3d>& origins = packets.origins.emplace_back(packets.count);
     std::vector<float>& offsets = packets.offsets.emplace_back(3 * padded);
+    if (pose < turning) packets.axes.emplace_back(6 * padded);
+    std::vector<float>& axes = packets.axes.back();
     parallel_for_each_index(packets.count, [&](std::size_t p) {
       const std::uint32_t* points = packets.points.data() + p * packet_size;
-      std::array<Eigen::Vector3d, packet_size> at;
+      std::array<SurfelInstant, packet_size> at;
       Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-      for (int lane = 0; lane < packet_size; ++lane) {
-        at[lane] = surfel_at(cloud, points[lane], frame).position;
-        low = low.cwiseMin(at[lane]);
-        high = high.cwiseMax(at[lane]);
+      for (std::size_t lane = 0; lane < packet_size; ++lane) {
+        at[lane] = surfels[points[lane]];
+        low = low.cwiseMin(at[lane].position);
+        high = high.cwiseMax(at[lane].position);
       }
       origins[p] = low + (0.5 * high - 0.5 * low);
-      for (int lane = 0; lane < packet_size; ++lane) {
-        const Eigen::Vector3d offset = at[lane] - origins[p];
-        for (int i = 0; i < 3; ++i)
-          offsets[(3 * p + static_cast<std::size_t>(i)) * packet_size + static_cast<std::size_t>(lane)] =
-              static_cast<float>(offset[i]);
-      }
-    });
-  }
-}
-
-void pack_axes(const SurfelCloud& cloud, PointPackets& packets) {
-  for (const double frame : packets.frames) {
-    // Velocities do not turn discs.
-    if (!packets.axes.empty() && cloud.keys.size() == 1) break;
-    std::vector<float>& axes = packets.axes.emplace_back(6 * packets.count * packet_size);
-    parallel_for_each_index(packets.count, [&](std::size_t p) {
-      for (int lane = 0; lane < packet_size; ++lane) {
-        const SurfelInstant s =
-            surfel_at(cloud, packets.points[p * packet_size + static_cast<std::size_t>(lane)], frame);
-        for (int i = 0; i < 3; ++i) {
-          float* to = axes.data() + 6 * p * packet_size + lane;
-          to[i * packet_size] = static_cast<float>(s.axis_u[i]);
-          to[(3 + i) * packet_size] = static_cast<float>(s.axis_v[i]);
+      float* const offset = offsets.data() + 3 * p * packet_size;
+      float* const axis = axes.data() + 6 * p * packet_size;
+      double farthest = 0.0;
+      for (std::size_t lane = 0; lane < packet_size; ++lane) {
+        const Eigen::Vector3d from_origin = at[lane].position - origins[p];
+        farthest = std::max(farthest, from_origin.norm() + std::sqrt(at[lane].axis_u.squaredNorm() +
+                                                                     at[lane].axis_v.squaredNorm()));
+        for (std::size_t i = 0; i < 3; ++i) {
+          offset[i * packet_size + lane] = static_cast<float>(from_origin[static_cast<int>(i)]);
+          if (pose >= turning) continue;
+          axis[i * packet_size + lane] = static_cast<float>(at[lane].axis_u[static_cast<int>(i)]);
+          axis[(3 + i) * packet_size + lane] = static_cast<float>(at[lane].axis_v[static_cast<int>(i)]);
         }
       }
+      packets.radius[p] = std::max(packets.radius[p], static_cast<float>(farthest * (1.0 + 1e-6)));
     });
   }
 }
@@ -200,24 +226,6 @@ void pack_colors(const SurfelCloud& cloud, PointPackets& packets) {
   packets.opaque = std::all_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o == 1.0f; });
 }
 
-void bound(PointPackets& packets) {
-  packets.radius.assign(packets.count, 0.0f);
-  parallel_for_each_index(packets.count, [&](std::size_t p) {
-    double largest = 0.0;
-    for (std::size_t pose = 0; pose < packets.frames.size(); ++pose) {
-      const float* offset = packets.offsets[pose].data() + 3 * p * packet_size;
-      const float* axes = packets.axes[packets.axes.size() > 1 ? pose : 0].data() + 6 * p * packet_size;
-      for (int lane = 0; lane < packet_size; ++lane) {
-        double distance = 0.0, size = 0.0;
-        for (int i = 0; i < 3; ++i) distance += std::pow(double{offset[i * packet_size + lane]}, 2.0);
-        for (int i = 0; i < 6; ++i) size += std::pow(double{axes[i * packet_size + lane]}, 2.0);
-        largest = std::max(largest, std::sqrt(distance) + std::sqrt(size));
-      }
-    }
-    packets.radius[p] = static_cast<float>(largest * (1.0 + 1e-6));
-  });
-}
-
 PointPackets pack(const Object& object, const Exposure& exposure) {
   const SurfelCloud& cloud = object.cloud;
   PointPackets packets;
@@ -232,10 +240,8 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
     packets.points[i] = order[std::min(i, order.size() - 1)];
   if (const std::size_t rest = cloud.size() % packet_size; rest != 0)
     packets.lanes.back() = (1u << rest) - 1u;
-  pack_positions(cloud, packets);
-  pack_axes(cloud, packets);
+  pack_poses(cloud, packets);
   pack_colors(cloud, packets);
-  bound(packets);
   return packets;
 }
 
@@ -243,7 +249,14 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
 std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure) {
   const Content content(packets.object->cloud, packets.frames);
   std::uint64_t sum = packets.object->two_sided ? 1 : 2;
-  for (std::size_t i = 0; i < packets.object->cloud.size(); ++i) sum += content.hash(i);
+  sum += reduced(
+      packets.object->cloud.size(), std::uint64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t part = 0;
+        for (std::size_t i = begin; i != end; ++i) part += content.hash(i);
+        return part;
+      },
+      [](std::uint64_t a, std::uint64_t b) { return a + b; });
   for (const double share : {0.0, 0.5, 1.0}) {
     const Eigen::Affine3d world = packets.object->transform.at(exposure.at(share));
     for (int k = 0; k < 12; ++k)
@@ -267,10 +280,11 @@ PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) cons
           lanes[p]};
 }
 
-std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure) {
+std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.cloud.size() > 0) objects.push_back(pack(object, exposure));
+    if (object.cloud.size() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
+      objects.push_back(pack(object, exposure));
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());
   parallel_for_each_index(objects.size(),

@@ -34,8 +34,10 @@ struct PointPackets {
   [[nodiscard]] PacketPoints at(std::size_t p, std::size_t pose, float blend) const;
 };
 
-/// Packs every object of `scene` over `exposure`. The objects come in an order that depends on their content,
-/// too; equal ones are interchangeable. Runs in the caller's task arena. `scene` must outlive the result.
-[[nodiscard]] std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure);
+/// Packs every object of `scene` over `exposure`, or those that stand still in it. The objects come in an
+/// order that depends on their content, too; equal ones are interchangeable. Runs in the caller's task arena.
+/// `scene` must outlive the result.
+[[nodiscard]] std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure,
+                                                    bool only_standing = false);
 
 }  // namespace swept

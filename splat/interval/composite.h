@@ -34,6 +34,15 @@ struct SurfaceSum {
   float depth = 0.0f;                        ///< Σρz
 };
 
+/// `mean` + `sign`·`swing`.
+[[nodiscard]] inline SurfaceSum at_point(const SurfaceSum& mean, const SurfaceSum& swing, float sign) {
+  SurfaceSum sum;
+  sum.weight = mean.weight + sign * swing.weight;
+  for (int c = 0; c < 4; ++c) sum.rgba[c] = mean.rgba[c] + sign * swing.rgba[c];
+  sum.depth = mean.depth + sign * swing.depth;
+  return sum;
+}
+
 /// Below this share of light left, what lies behind is not looked for: 2⁻²⁴ changes no float.
 inline constexpr float opaque_transmittance = 0x1p-24f;
 
@@ -47,6 +56,7 @@ class SurfaceModel {
         delta_(static_cast<float>(model.delta)) {}
 
   [[nodiscard]] bool hard() const { return hard_; }
+  [[nodiscard]] bool per_pixel() const { return per_pixel_; }
   [[nodiscard]] float edge_weight() const { return edge_weight_; }
   [[nodiscard]] float delta() const { return delta_; }
 

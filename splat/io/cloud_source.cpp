@@ -263,8 +263,8 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   Result<EstimatedSurfels> nearest_discs = discs_of(still, source);
   if (!nearest_discs) return in_file(nearest_discs.error(), nearest.path);
   Result<LoadedCloud> first = first_key(std::move(still), *nearest_discs, nearest.frame, source);
-  if (!first) return first.error();
-  LoadedCloud& loaded = *first;
+  if (!first) return in_file(first.error(), nearest.path);
+  LoadedCloud loaded = *std::move(first);
   SurfelCloud& cloud = loaded.cloud;
   cloud.keys.clear();
   loaded.report.assumed.push_back("points of several files are the same by id");
@@ -293,7 +293,7 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
     report.unread.insert(report.unread.end(), velocity.begin(), velocity.end());
     std::erase_if(report.used, [](const auto& use) { return use.attribute == "velocity"; });
   }
-  return first;
+  return loaded;
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ struct Header {
 using Words = std::vector<std::string>;
 
 /// Headers are a dozen short lines. What they say is kept in pieces that take many times their length.
-constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
+constexpr std::size_t kMostHeaderBytes = std::size_t{4} << 20;
 constexpr const char* kKeywords[] = {"FIELDS", "SIZE",   "TYPE",      "COUNT", "WIDTH",
                                      "HEIGHT", "POINTS", "VIEWPOINT", "DATA"};
 
@@ -90,7 +90,7 @@ Result<Header> parse_header(const std::string& path, std::string_view bytes) {
     if (end == bytes.npos) {
       return Error{path, "DATA",
                    std::string("the header does not end with it") +
-                       (bytes.size() > kMostHeaderBytes ? " within a megabyte" : "")};
+                       (bytes.size() > kMostHeaderBytes ? " within 4 MiB" : "")};
     }
     LineScanner line(bytes.substr(at, end - at));
     at = end + 1;

@@ -71,6 +71,7 @@ std::optional<std::size_t> count_of(const std::vector<std::string_view>& tokens)
 /// Three columns as one thing.
 struct Triple {
   bool unit = true;        ///< every one of length 1 or 0, and some of length 1
+  bool zero = false;       ///< all of them
   bool color = true;       ///< none negative or above 65535
   bool byte_color = true;  ///< whole numbers up to 255, more than a unit vector's
 };
@@ -90,6 +91,7 @@ Triple examine(const Values& values, std::size_t first) {
       some_above_1 = some_above_1 || channel > 1.0;
     }
   }
+  triple.zero = !some_unit;
   triple.unit = triple.unit && some_unit;
   triple.byte_color = triple.byte_color && some_above_1;
   return triple;
@@ -178,6 +180,10 @@ Result<Names> infer_text_columns(const std::string& path, const Values& values, 
     if (ends_in(path, ".xyzrgb")) return joined({&kColor});
     if (ends_in(path, ".xyzn") || second.unit) {
       assumed = "columns 4 to 6 are normals";
+      return joined({&kNormal});
+    }
+    if (second.zero) {
+      assumed = "columns 4 to 6 are normals, of which there are none: all are zero";
       return joined({&kNormal});
     }
     if (second.color) {

@@ -32,9 +32,10 @@ struct TextHead {
 /// Names for the columns of a file without a header. `values[c]` is column c, one number a point.
 ///   3     x y z
 ///   4     x y z intensity
-///   6     x y z, and a normal if all have length 1 (to 2%) or 0, else colours if none is negative or above
-///   65535 7     x y z red green blue intensity, or x y z intensity red green blue (PTS) 9     x y z, and
-///   colours and normals in either order
+///   6     x y z, and a normal if all have length 1 (to 2%) or 0
+///         else a colour if none is negative or above 65535
+///   7     x y z red green blue intensity, or x y z intensity red green blue (PTS)
+///   9     x y z, and colours and normals in either order
 /// The extensions .xyzn, .xyzrgb and .pts decide where they can. `assumed` gets a sentence on what was made
 /// of the numbers. Errors: other numbers of columns, numbers that fit nothing or two things.
 [[nodiscard]] Result<std::vector<std::string>> infer_text_columns(

@@ -189,7 +189,11 @@ class Builder {
 KernelSet build_kernels(const Scene& scene, const Exposure& exposure) {
   KernelSet set;
   Builder builder(scene, exposure, set);
-  for (const Object& object : scene.objects) builder.add(object);
+  for (const Object& object : scene.objects) {
+    const std::size_t before = set.still_kernels;
+    builder.add(object);
+    if (stands_still(scene, object, exposure)) set.standing_kernels += set.still_kernels - before;
+  }
   sort_by_content(set.kernels);
   return set;
 }

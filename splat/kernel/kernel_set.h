@@ -17,11 +17,12 @@ struct KernelSet {
   Projection
       projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
   double near = 0.0;  ///< camera-space depth, > 0
-  std::size_t surfels = 0;          ///< points of all objects
-  int most_segments = 1;            ///< of any object
-  std::size_t still_kernels = 0;    ///< kernels that do not move
-  std::size_t edge_on_kernels = 0;  ///< discs within 10⁻³ of being seen edge-on from the eye
-  std::size_t near_kernels = 0;     ///< kernels that reach to the near plane and beyond it
+  std::size_t surfels = 0;           ///< points of all objects
+  int most_segments = 1;             ///< of any object
+  std::size_t still_kernels = 0;     ///< kernels that do not move
+  std::size_t standing_kernels = 0;  ///< of these, those of objects of which nothing moves
+  std::size_t edge_on_kernels = 0;   ///< discs within 10⁻³ of being seen edge-on from the eye
+  std::size_t near_kernels = 0;      ///< kernels that reach to the near plane and beyond it
   /// Segments whose disc has no area and no thickness on screen, or that are too large for numbers.
   std::size_t culled_degenerate = 0;
   std::size_t culled_near = 0;  ///< wholly nearer than the near plane or behind the eye
