@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,15 @@ TEST(Metrics, OfHugePixelsAreNumbers) {
     // Identical windows have quotients of equal numbers, 1 but for rounding of a sum of 196 of them.
     EXPECT_NEAR(same->ssim, 1.0, 196 * 2.3e-16);
     EXPECT_EQ(same->flip, 0.0);
+  }
+}
+
+/// Variances of constant planes are what rounding leaves of squares, of either sign.
+TEST(Metrics, OfHugeConstantPlanesAreNumbers) {
+  for (int i = 1; i < 12; ++i) {
+    const std::vector<double> a(576, 3e38 * i / 12.0), b(576, 3e38 * (13 - i) / 13.0);
+    const double ssim = mean_ssim(a, b, 24, 24);
+    EXPECT_TRUE(ssim >= -1.0 && ssim <= 1.0) << ssim;
   }
 }
 
