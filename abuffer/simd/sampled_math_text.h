@@ -26,7 +26,7 @@ SWEPT_LANE Vector floor_of(Vector a) {
   return r - only(a < r, all(1.0f));
 }
 
-/// e^x for x in [−80, 0], within 2 ulp.
+/// e^x for x in [−80, 0], within 1 ulp.
 SWEPT_LANE Vector exp_of(Vector x) {
   // 2^(n + f), |f| ≤ ½; n + 127 stands in the low bits of the sum and becomes an exponent.
   const Vector t = x * all(1.44269504f);
