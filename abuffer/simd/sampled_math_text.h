@@ -26,7 +26,7 @@ SWEPT_LANE Vector floor_of(Vector a) {
   return r - only(a < r, all(1.0f));
 }
 
-/// e^x for x in [−80, 0], within 2 ulp.
+/// e^x for x in [−80, 0], within 1 ulp.
 SWEPT_LANE Vector exp_of(Vector x) {
   // 2^(n + f), |f| ≤ ½; n + 127 stands in the low bits of the sum and becomes an exponent.
   const Vector t = x * all(1.44269504f);
@@ -158,9 +158,11 @@ void place_text(const PacketPoints& points, const ObjectPlace& object, const Pac
     const Vector y_end = pixel_y + (floor_of(high_y - center_y) + all(1.0f));
     const Vector nearest = depth * (all(1.0f) - reach);
 
-    // Written so that what is not a number is not simple.
-    constexpr float most_px = 65536.0f, most_from_origin_px = 2048.0f;
-    Mask simple = all(object.near) < nearest;
+    // Written so that what is not a number is not simple. What lies much nearer to the eye than its packet's
+    // origin has lost its digits in the sum.
+    constexpr float most_px = 65536.0f, most_from_origin_px = 2048.0f, most_from_origin_depths = 4.0f;
+    const Mask exact = magnitude(from_origin.z) <= all(most_from_origin_depths) * depth;
+    Mask simple = exact & (all(object.near) < nearest);
     simple = simple & (reach_squared <= all(0.98f));
     simple = simple & (magnitude(tangent_x) <= all(object.max_tangent_x));
     simple = simple & (magnitude(tangent_y) <= all(object.max_tangent_y));
@@ -188,7 +190,7 @@ void place_text(const PacketPoints& points, const ObjectPlace& object, const Pac
           (all(static_cast<float>(object.film_height) + 2.0f) < pixel_y - most);
     // Wholly nearer than the near plane.
     const Mask behind = depth * all(1.0f) + depth * magnitude(wide) < all(object.near);
-    const Mask gone = (bounded & off) | (behind & (all(0.0f) < depth));
+    const Mask gone = exact & ((bounded & off) | (behind & (all(0.0f) < depth)));
 
     Mask mixed = all(1.0f) < all(0.0f);
     if (object.one_sided) {

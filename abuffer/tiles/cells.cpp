@@ -11,6 +11,9 @@ namespace {
 /// Packets that one thread follows before it takes more.
 constexpr std::size_t run = 512;
 
+/// Radians by which object or camera turn from one frame to the next at which a path is looked at.
+constexpr double most_turn = 0.25;
+
 /// Angle by which `object` and camera turn over the exposure, radians, or more.
 double turning(const Scene& scene, const Object& object, const Exposure& exposure) {
   const auto over = [&](const auto& keys, const auto& angle) {
@@ -31,29 +34,51 @@ double turning(const Scene& scene, const Object& object, const Exposure& exposur
   const double of_poses = over(scene.camera.poses, [](const CameraKey& a, const CameraKey& b) {
     return a.world_from_camera.angularDistance(b.world_from_camera);
   });
-  // A camera that looks at something passing by turns fast where it is near, so that no even share will do.
-  double of_looks = 0.0;
-  for (std::size_t i = 1; i < scene.camera.look_ats.size(); ++i) {
-    const LookAtKey &a = scene.camera.look_ats[i - 1], &b = scene.camera.look_ats[i];
-    const bool turns = (a.target - a.eye) != (b.target - b.eye) || a.up != b.up;
-    if (turns && std::max(a.frame, exposure.open) < std::min(b.frame, exposure.close)) of_looks += M_PI;
-  }
-  return of_object + of_poses + of_looks;
+  return of_object + of_poses;
 }
 
-/// Steps so small that a path hardly bends within one.
-int steps_of(const Scene& scene, const PointPackets& packets, const Exposure& exposure) {
-  if (stands_still(scene, *packets.object, exposure)) return 0;
-  const auto keys_within = [&](const auto& keys) {
-    return static_cast<double>(std::count_if(keys.begin(), keys.end(), [&](const auto& key) {
-      return key.frame > exposure.open && key.frame < exposure.close;
-    }));
+/// A camera that looks at something passing by turns fast where it is near: [first, last] is halved until it
+/// turns little in each part. Appends where parts begin.
+void halve_looks(const Scene& scene, double first, double last, int most_halvings, std::vector<double>& out) {
+  const auto facing = [&](double frame) {
+    return Eigen::Quaterniond(scene.camera.at(frame).camera_from_world.linear());
   };
-  constexpr double step = 0.25, most = 2048.0;
-  const double keys = static_cast<double>(packets.frames.size()) +
-                      keys_within(packets.object->transform.keys) + keys_within(scene.camera.poses) +
-                      keys_within(scene.camera.look_ats);
-  return static_cast<int>(std::min(most, std::ceil(turning(scene, *packets.object, exposure) / step) + keys));
+  const double middle = 0.5 * first + 0.5 * last;
+  if (most_halvings == 0 || !(first < middle && middle < last) ||
+      !(facing(first).angularDistance(facing(last)) > 0.5 * most_turn)) {
+    out.push_back(first);
+    return;
+  }
+  halve_looks(scene, first, middle, most_halvings - 1, out);
+  halve_looks(scene, middle, last, most_halvings - 1, out);
+}
+
+/// Frames from the exposure's open to its close, so near each other that a path hardly bends between them:
+/// all keys are among them. Nothing where that would be too many to follow.
+std::vector<double> frames_of_path(const Scene& scene, const PointPackets& packets,
+                                   const Exposure& exposure) {
+  constexpr double most = 2048.0;
+  const double turns = std::ceil(turning(scene, *packets.object, exposure) / most_turn);
+  if (!(turns <= most)) return {};
+  std::vector<double> frames(packets.frames);
+  const int steps = std::max(1, static_cast<int>(turns));
+  for (int i = 0; i <= steps; ++i) frames.push_back(exposure.at(static_cast<double>(i) / steps));
+  const auto add_keys = [&](const auto& keys) {
+    for (const auto& key : keys)
+      if (key.frame > exposure.open && key.frame < exposure.close) frames.push_back(key.frame);
+  };
+  add_keys(packets.object->transform.keys);
+  add_keys(scene.camera.poses);
+  add_keys(scene.camera.look_ats);
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  if (static_cast<double>(frames.size()) > 2.0 * most) return {};
+  if (scene.camera.look_ats.size() < 2) return frames;
+  std::vector<double> halved;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i)
+    halve_looks(scene, frames[i], frames[i + 1], 24, halved);
+  halved.push_back(frames.back());
+  return halved;
 }
 
 PacketBounds joined(const PacketBounds& a, const PacketBounds& b) {
@@ -63,13 +88,65 @@ PacketBounds joined(const PacketBounds& a, const PacketBounds& b) {
           std::max(a.y_max, b.y_max), std::min(a.nearest, b.nearest)};
 }
 
-/// How far the bounds of the middle lie from half-way between those of the ends.
+/// How far the middle lies from half-way between the ends.
+double bend(double first, double middle, double last) {
+  const double off = std::abs(middle - (0.5 * first + 0.5 * last));
+  return std::isfinite(off) ? off : 0.0;
+}
 double bend(const PacketBounds& a, const PacketBounds& middle, const PacketBounds& b) {
-  if (a.empty() || middle.empty() || b.empty()) return 0.0;
-  const auto off = [](double first, double mid, double last) { return std::abs(mid - 0.5 * (first + last)); };
-  const double most = std::max({off(a.x_min, middle.x_min, b.x_min), off(a.x_max, middle.x_max, b.x_max),
-                                off(a.y_min, middle.y_min, b.y_min), off(a.y_max, middle.y_max, b.y_max)});
-  return std::isfinite(most) ? most : 0.0;
+  return std::max({bend(a.x_min, middle.x_min, b.x_min), bend(a.x_max, middle.x_max, b.x_max),
+                   bend(a.y_min, middle.y_min, b.y_min), bend(a.y_max, middle.y_max, b.y_max)});
+}
+
+/// One packet at the beginning, the middle and the end of a part of its path.
+struct Part {
+  const ObjectInstant* at[3];
+  Eigen::Vector3d center[3];
+
+  [[nodiscard]] bool finite() const {
+    return center[0].allFinite() && center[1].allFinite() && center[2].allFinite();
+  }
+
+  /// The least of what a sphere of radius `reach(i)` about the centre has of a linear function of camera
+  /// space, `of` being that of the centre, or less.
+  template <class Of, class Reach>
+  [[nodiscard]] double least(const Of& of, const Reach& reach) const {
+    const double v[3] = {of(0), of(1), of(2)};
+    return std::min({v[0] - reach(0), v[1] - reach(1), v[2] - reach(2)}) - 2.0 * bend(v[0], v[1], v[2]);
+  }
+};
+
+/// Where a packet is in relation to the near plane and to the film's pyramid during a part of its path.
+enum class Passage {
+  in_front,  ///< of the near plane throughout
+  outside,   ///< behind it, or beside the film
+  through,   ///< perhaps through the plane, and anywhere on the film
+};
+Passage passage_of(const Scene& scene, const Part& part, double radius) {
+  if (!part.finite()) return Passage::through;
+  const auto reach = [&](int i) { return radius * part.at[i]->enlarges; };
+  const auto depth = [&](int i) { return part.center[i].z(); };
+  if (part.least(depth, reach) > scene.camera.near) return Passage::in_front;
+  if (part.least([&](int i) { return -depth(i); }, reach) > -scene.camera.near) return Passage::outside;
+  for (int axis = 0; axis < 2; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      const auto half = [&](int i) {
+        const Projection& p = part.at[i]->projection;
+        const double middle = axis == 0 ? p.center_x : p.center_y;
+        return side < 0.0 ? middle : (axis == 0 ? scene.film.width : scene.film.height) - middle;
+      };
+      // Beyond the film's edge where focal·x > half·z; the filter, and a pixel more, widen a disc where its
+      // centre is.
+      const auto beyond = [&](int i) {
+        return side * part.at[i]->projection.focal_px * part.center[i][axis] - half(i) * depth(i);
+      };
+      const auto widest = [&](int i) {
+        return reach(i) * std::hypot(part.at[i]->projection.focal_px, half(i)) +
+               (scene.model.filter_radius_px + 1.0) * std::max(0.0, depth(i) + reach(i));
+      };
+      if (part.least(beyond, widest) > 0.0) return Passage::outside;
+    }
+  return Passage::through;
 }
 
 }  // namespace
@@ -101,15 +178,23 @@ Cell PacketBins::cell(std::size_t index) const {
 
 void PacketBins::follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets,
                         std::size_t object) {
-  const int steps = steps_of(scene, packets, exposure);
+  const bool still = stands_still(scene, *packets.object, exposure);
+  const std::vector<double> frames =
+      still ? std::vector<double>{exposure.open} : frames_of_path(scene, packets, exposure);
+  // What turns too fast to be followed may be anywhere.
+  const bool lost = frames.empty();
   std::vector<ObjectInstant> instants;
-  instants.reserve(static_cast<std::size_t>(2 * steps + 1));
-  for (int i = 0; i <= 2 * steps; ++i)
-    instants.emplace_back(scene, packets, steps == 0 ? exposure.open : exposure.at(i / (2.0 * steps)));
+  instants.reserve(2 * frames.size() + 1);
+  if (lost) instants.emplace_back(scene, packets, exposure.open);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i > 0) instants.emplace_back(scene, packets, 0.5 * frames[i - 1] + 0.5 * frames[i]);
+    instants.emplace_back(scene, packets, frames[i]);
+  }
   motion_[object].assign(packets.count, 0.0f);
   const std::size_t runs = (packets.count + run - 1) / run, first_run = touched_.size();
   touched_.resize(first_run + runs);
   const double farthest = 4.0 * (film_.width + film_.height);
+  const PacketBounds everywhere{0.0, double{1.0} * film_.width, 0.0, double{1.0} * film_.height, 0.0};
   parallel_for_each_index(runs, [&](std::size_t r) {
     std::vector<Touch>& touches = touched_[first_run + r];
     std::vector<std::uint32_t> cells;
@@ -130,30 +215,40 @@ void PacketBins::follow(const Scene& scene, const Exposure& exposure, const Poin
             cells.push_back(static_cast<std::uint32_t>(y * columns_ + x));
       };
       const double radius = double{packets.radius[p]};
-      Eigen::Vector3d center = instants[0].center(packets, p);
-      PacketBounds before = instants[0].bounds(center, radius);
-      double length = 0.0;
-      if (steps == 0) touch(before, 0.0);
-      for (int step = 0; step < steps; ++step) {
+      Part part;
+      part.at[2] = instants.data();
+      part.center[2] = instants[0].center(packets, p);
+      PacketBounds before = instants[0].bounds(part.center[2], radius);
+      double length = lost ? farthest : 0.0;
+      if (lost) touch(everywhere, 0.0);
+      if (still) touch(before, 0.0);
+      for (std::size_t i = 1; i < instants.size(); i += 2) {
+        part.at[0] = part.at[2];
+        part.center[0] = part.center[2];
         PacketBounds at[2];
-        for (int half = 0; half < 2; ++half) {
-          const ObjectInstant& next = instants[static_cast<std::size_t>(2 * step + half + 1)];
-          const Eigen::Vector3d moved = next.center(packets, p);
+        for (std::size_t half = 0; half < 2; ++half) {
+          const ObjectInstant& next = instants[i + half];
+          const Eigen::Vector3d moved = next.center(packets, p), &from = part.center[half];
           at[half] = next.bounds(moved, radius);
-          if (moved.z() > scene.camera.near && center.z() > scene.camera.near) {
-            const double far = (moved.head<2>() / moved.z() - center.head<2>() / center.z()).norm();
+          if (moved.z() > scene.camera.near && from.z() > scene.camera.near) {
+            const double far = (moved.head<2>() / moved.z() - from.head<2>() / from.z()).norm();
             length += std::min(farthest, next.projection.focal_px * far);
-          } else if (moved != center) {
+          } else if (moved != from) {
             length += 1.0;
           }
-          center = moved;
+          part.at[half + 1] = &next;
+          part.center[half + 1] = moved;
         }
         // A smooth path is nowhere farther from its chord than about where the middle is.
-        touch(joined(before, joined(at[0], at[1])), 1.0 + 2.0 * bend(before, at[0], at[1]));
+        const Passage passage = passage_of(scene, part, radius);
+        if (passage == Passage::in_front)
+          touch(joined(before, joined(at[0], at[1])), 1.0 + 2.0 * bend(before, at[0], at[1]));
+        else if (passage == Passage::through)
+          touch(everywhere, 0.0);
         before = at[1];
       }
       // Whatever may move is not still, however little.
-      if (steps > 0) length = std::max(length, 1e-9);
+      if (!still) length = std::max(length, 1e-9);
       motion_[object][p] = static_cast<float>(std::min(length, farthest));
       std::sort(cells.begin(), cells.end());
       cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
