@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/generators.h"
+#include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
 #include "tools/console.h"
 #include "tools/gpu_method.h"
@@ -141,7 +142,7 @@ int list_devices(const InfoArguments& arguments) {
 int info(const InfoArguments& arguments) {
   if (arguments.gpus) return list_devices(arguments);
   if (arguments.scene.empty()) throw CLI::RequiredError("scene, or --gpus,");
-  Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
+  Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
   if (!file) return report_scene_error("info", file.error(), *arguments.overrides);
   const double frame = arguments.frame.value_or(file->scene().frame);
   const Result<const Scene*> scene = file->scene_at(frame, generate);
@@ -162,7 +163,9 @@ int info(const InfoArguments& arguments) {
 void add_info_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene file holds and what it resolves to");
-  auto* scene = command->add_option("scene", arguments->scene, "The scene file")->type_name("FILE.json");
+  auto* scene =
+      command->add_option("scene", arguments->scene, "The scene file, or the points alone, as for render")
+          ->type_name("SCENE");
   command->add_flag("--gpus", arguments->gpus, "List the devices of the GPU modes instead")->excludes(scene);
   command->add_option("--frame", arguments->frame, "The frame to look at; by default the scene's own")
       ->check(CLI::Range(-1e9, 1e9));

@@ -14,6 +14,7 @@
 
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"
+#include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
 #include "tools/console.h"
@@ -114,7 +115,7 @@ int render(const RenderArguments& arguments) {
     const auto named = name_outputs(frames, arguments.output, arguments.preview);
     if (!named) return fail(named.error(), 2);
   }
-  Result<SceneFile> file = read_scene_file(arguments.scene, *arguments.overrides);
+  Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
   if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs = name_outputs(frames, arguments.output, arguments.preview);
@@ -142,9 +143,14 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  swept render scene.json -o f.%04d.exr --frames 1-48 --skip-existing   go on where a run stopped\n"
+      "  swept render cloud.ply -o cloud.exr --preview cloud.png   the points as they are\n"
       "  swept render scene.json -o small.exr --preview small.png --size 320x180\n\n"
       "Exit codes: 0 done, 1 something failed, 2 bad arguments.");
-  command->add_option("scene", arguments->scene, "The scene file")->required()->type_name("FILE.json");
+  command
+      ->add_option("scene", arguments->scene,
+                   "The scene file, or the points alone: a point file, or numbered ones as anim.%04d.ply")
+      ->required()
+      ->type_name("SCENE");
   command
       ->add_option("-o,--output", arguments->output,
                    "Where to write; for several frames with a number pattern in the file's name, such as "

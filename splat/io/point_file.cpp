@@ -11,7 +11,12 @@
 
 namespace swept {
 
-Result<PointSet> read_points(const std::string& path, const ReadOptions& options) {
+namespace {
+
+using Reader = Result<PointSet> (*)(const std::string&, std::string_view, const ReadOptions&);
+
+/// That of the name's extension; null: there is none.
+Reader reader_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   // Letters of ASCII only, whatever the locale.
   for (char& c : extension) {
@@ -19,12 +24,20 @@ Result<PointSet> read_points(const std::string& path, const ReadOptions& options
   }
   constexpr std::array<std::string_view, 7> text{".xyz", ".txt", ".asc", ".csv", ".pts", ".xyzn", ".xyzrgb"};
   const bool is_text = std::find(text.begin(), text.end(), extension) != text.end();
-  const auto read = extension == ".ply"   ? read_ply
-                    : extension == ".pcd" ? read_pcd
-                    : is_text             ? read_xyz
-                    : extension == ".obj" ? read_obj
-                    : extension == ".off" ? read_off
-                                          : nullptr;
+  return extension == ".ply"   ? read_ply
+         : extension == ".pcd" ? read_pcd
+         : is_text             ? read_xyz
+         : extension == ".obj" ? read_obj
+         : extension == ".off" ? read_off
+                               : nullptr;
+}
+
+}  // namespace
+
+bool is_point_file_name(const std::string& path) { return reader_of(path) != nullptr; }
+
+Result<PointSet> read_points(const std::string& path, const ReadOptions& options) {
+  const Reader read = reader_of(path);
   if (!read) {
     return Error{
         path, "",

@@ -63,6 +63,9 @@ struct PointSet {
   [[nodiscard]] Status validate() const;
 };
 
+/// Whether the name's extension is one of those that read_points() knows.
+[[nodiscard]] bool is_point_file_name(const std::string& path);
+
 /// Reads one file whole. Gaussian splats are recognised by scale_0, scale_1[, scale_2] and rot_0…3: log
 /// standard deviations σ become axes of length σ√(2δ), so that the kernel exp(−δ u²) is the Gaussian; of
 /// three axes the shortest is dropped. Errors: unreadable or malformed files, no points, no x y z, unknown

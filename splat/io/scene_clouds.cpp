@@ -131,7 +131,7 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
 }
 
 std::vector<std::string> SceneFile::notes() const {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = notes_;
   for (std::size_t i = 0; i < clouds_->objects.size(); ++i)
     for (const std::string& note : clouds_->objects[i].notes)
       notes.push_back(scene_.objects[i].name + ": " + note);

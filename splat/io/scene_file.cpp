@@ -93,12 +93,13 @@ Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides&
 }
 
 Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
-                                  const SceneOverrides& overrides) {
+                                  const SceneOverrides& overrides, std::vector<std::string> notes) {
   return io::guarded(path, [&]() -> Result<SceneFile> {
     const Result<nlohmann::json> document = io::parse_json(path, text);
     if (!document) return document.error();
     SceneFile file;
     file.path_ = path;
+    file.notes_ = std::move(notes);
     parse_scene(JsonNode(*document, path), std::filesystem::path(path).parent_path().string(), overrides,
                 file.scene_, file.sources_);
     if (!(overrides.points_scale > 0.0) || !std::isfinite(overrides.points_scale))

@@ -98,7 +98,8 @@ class SceneFile {
   /// object, and changes with the next call.
   [[nodiscard]] Result<const Scene*> scene_at(double frame, const Generator& generator);
 
-  /// What the readers of the clouds of the last scene_at() had to assume, e.g. estimated normals.
+  /// What the scene was said to assume, and what the readers of the clouds of the last scene_at() read, left
+  /// and had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;
 
   /// What the picture of `frame` follows from, but for the method: the file's content without its layout, the
@@ -109,7 +110,7 @@ class SceneFile {
  private:
   struct Clouds;
   friend Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
-                                           const SceneOverrides& overrides);
+                                           const SceneOverrides& overrides, std::vector<std::string> notes);
   SceneFile();
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
   [[nodiscard]] Result<std::string> hash_of(double frame) const;
@@ -117,6 +118,7 @@ class SceneFile {
   [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
 
   std::string path_, canonical_;
+  std::vector<std::string> notes_;
   Scene scene_;
   std::vector<ObjectSource> sources_;
   double points_scale_ = 1.0;
@@ -130,8 +132,10 @@ class SceneFile {
                                                 const SceneOverrides& overrides = {});
 
 /// The same for a scene file's text, as if it stood in the file `path`, which is not looked at.
+/// SceneFile::notes() begins with `notes`.
 [[nodiscard]] Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
-                                                const SceneOverrides& overrides = {});
+                                                const SceneOverrides& overrides = {},
+                                                std::vector<std::string> notes = {});
 
 /// The fields of splat/fields.h as they are in `scene`, as a scene file has them: one JSON object, indented.
 /// What is unset is left out.

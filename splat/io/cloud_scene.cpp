@@ -1,0 +1,258 @@
+#include "splat/io/cloud_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "splat/io/frame_points.h"
+#include "splat/io/guarded.h"
+#include "splat/io/point_file.h"
+#include "splat/io/sequence.h"
+
+namespace swept {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double fov_y_degrees = 40.0;
+constexpr std::size_t most_files = 5, most_points = 1'000'000;
+
+bool is_sequence(const std::string& path) {
+  std::error_code code;
+  return is_sequence_pattern(path) && !std::filesystem::exists(path, code);
+}
+
+/// What was looked at to frame the points and to see what they come with.
+struct Sample {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<float> reaches;
+  bool colors = false, gaussians = false;
+  std::vector<std::string> properties;  ///< of the first file, read or not
+  std::size_t dropped = 0;
+  std::vector<int> numbers;  ///< of the files of a sequence that were looked at
+  int first = 0;             ///< number in the sequence
+};
+
+Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
+  ReadOptions options;
+  options.skip_invalid = skip_invalid;
+  const Result<PointSet> set = read_points(path, options);
+  if (!set) return set.error();
+  const std::size_t step = (set->size() + most_points - 1) / most_points;
+  for (std::size_t i = 0; i < set->size(); i += step) {
+    sample.points.push_back(set->position[i]);
+    if (!set->radius.empty()) sample.reaches.push_back(set->radius[i]);
+    if (!set->axis_u.empty())
+      sample.reaches.push_back(std::max(set->axis_u[i].norm(), set->axis_v[i].norm()));
+  }
+  sample.dropped += set->report.dropped;
+  if (!sample.properties.empty()) return Done{};
+  sample.colors = !set->color.empty();
+  sample.gaussians = !set->axis_u.empty();
+  sample.properties = set->report.unread;
+  for (const ReadReport::Use& use : set->report.used)
+    sample.properties.insert(sample.properties.end(), use.properties.begin(), use.properties.end());
+  return Done{};
+}
+
+/// Files evenly from the first to the last. Points that are not finite are dropped from files that stand
+/// alone.
+Result<Sample> sample_of(const std::string& path) {
+  Sample sample;
+  if (!is_sequence(path)) {
+    if (const Status status = look_at(path, true, sample); !status) return status.error();
+    return sample;
+  }
+  const Result<std::vector<NumberedFile>> files = list_sequence(path);
+  if (!files) return files.error();
+  const std::size_t looks = std::min(files->size(), most_files);
+  for (std::size_t i = 0; i < looks; ++i) {
+    const NumberedFile& file = (*files)[looks == 1 ? 0 : i * (files->size() - 1) / (looks - 1)];
+    if (const Status status = look_at(file.path, false, sample); !status) return status.error();
+    sample.numbers.push_back(file.number);
+  }
+  sample.first = files->front().number;
+  return sample;
+}
+
+/// Which program wrote a PLY file, as far as that says which axis is up there.
+std::string writer_of(const std::string& path) {
+  std::string head(4096, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  head.resize(std::min(head.size(), head.find("end_header")));
+  for (const char* writer : {"Blender", "CloudCompare"})
+    if (head.starts_with("ply") && head.find(writer) != std::string::npos) return writer;
+  return {};
+}
+
+bool has_any(const Sample& sample, std::initializer_list<std::string_view> names) {
+  return std::any_of(sample.properties.begin(), sample.properties.end(), [&](std::string property) {
+    for (char& c : property)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return std::find(names.begin(), names.end(), property) != names.end();
+  });
+}
+
+struct Convention {
+  io::Front front;
+  std::string why;  ///< "y up, …"
+};
+
+Convention convention_of(const std::string& file, const Sample& sample) {
+  // Trained in the axes of computer vision: y down, z forward.
+  if (sample.gaussians) return {{{0, -1, 0}, {0, 0, 1}, 10.0, 0.0}, "y down, as Gaussian splats are trained"};
+  std::string reason;
+  const std::string writer = writer_of(file), extension = std::filesystem::path(file).extension().string();
+  Eigen::Vector3d low = sample.points.front(), high = low;
+  for (const Eigen::Vector3d& p : sample.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // Metres of a national grid: far from their origin by much more than they are wide.
+  const double away = low.cwiseMax(-high).head<2>().maxCoeff();
+  if (!writer.empty())
+    reason = "as " + writer + " writes files";
+  else if (extension == ".pcd" || extension == ".PCD")
+    reason = "as robots have it";
+  else if (has_any(sample, {"ring", "reflectivity", "reflectance", "easting", "gps_time", "gpstime",
+                            "return_number", "classification", "scan_angle"}))
+    reason = "as scanners have it";
+  else if (away > 1e4 && away > 3.0 * (high - low).head<2>().maxCoeff())
+    reason = "as surveys have it, for the points are far from their origin";
+  if (reason.empty()) return {{{0, 1, 0}, {0, 0, -1}, 15.0, 20.0}, "y up, which the file does not say"};
+  // Ground is seen from higher up.
+  const Eigen::Vector3d size = high - low;
+  const bool flat = size.z() < 0.3 * std::max(size.x(), size.y());
+  return {{{0, 0, 1}, {0, 1, 0}, flat ? 40.0 : 20.0, 20.0}, "z up, " + reason};
+}
+
+/// What is set for a side of the film, or what stands in for it and for what is out of its range.
+double length_or(const SceneOverrides& overrides, const char* pointer, double otherwise) {
+  const auto found = overrides.fields.find(pointer);
+  if (found == overrides.fields.end() || !find_field(pointer)->legal(found->second)) return otherwise;
+  return found->second.front();
+}
+
+std::string defaults_line(const SceneOverrides& overrides) {
+  std::string line;
+  const auto add = [&](const char* pointer, const char* text) {
+    if (overrides.fields.contains(pointer)) return;
+    line += (line.empty() ? "" : ", ") + std::string(text);
+  };
+  add("/film/width", "1920 x 1080 px");
+  add("/fps", "24 frames per second");
+  add("/shutter/open", "shutter open from -0.25 to 0.25 frames");
+  return line.empty() ? line : "assumed: " + line;
+}
+
+/// How a scene file in `folder` names the points.
+std::string path_from(const std::string& folder, const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path name = fs::path(path).filename();
+  const fs::path from = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder));
+  const fs::path there = fs::weakly_canonical(fs::absolute(fs::path(path)).parent_path());
+  const fs::path relative = (there / name).lexically_relative(from);
+  if (relative.empty() || *relative.begin() == "..") return (there / name).string();
+  return relative.string();
+}
+
+std::string text_of(const Sample& sample, const std::string& path, const std::string& folder,
+                    const io::Framing& framing, const Eigen::Vector3d& up, double width, double height) {
+  const auto vector = [](const Eigen::Vector3d& v) { return Json{v.x(), v.y(), v.z()}; };
+  Json source;
+  source[sample.numbers.empty() ? "file" : "sequence"] = path_from(folder, path);
+  if (sample.dropped > 0) source["skip_invalid"] = true;
+  Json object = {{"name", std::filesystem::path(path).filename().string()}, {"source", source}};
+  if (!sample.colors) object["color"] = "normals";
+  const int frame = sample.numbers.empty() ? 1 : sample.first;
+  // A power of ten, a thousandth of the distance or less.
+  const double near = std::pow(10.0, std::floor(std::log10(framing.distance)) - 3.0);
+  Json scene = {
+      {"swept", 1},
+      {"film", {{"width", static_cast<int>(width)}, {"height", static_cast<int>(height)}}},
+      {"fps", 24},
+      {"frame", frame},
+      {"shutter", {{"open", -0.25}, {"close", 0.25}}},
+      {"camera",
+       {{"fov", {{"axis", "vertical"}, {"degrees", fov_y_degrees}}},
+        {"near", near},
+        {"keys",
+         Json::array(
+             {{{"eye", vector(framing.eye)}, {"target", vector(framing.target)}, {"up", vector(up)}}})}}},
+      {"objects", Json::array({object})}};
+  return scene.dump(2) + '\n';
+}
+
+Result<CloudScene> make_scene(const std::string& path, const std::string& folder,
+                              const SceneOverrides& overrides) {
+  const Result<Sample> sample = sample_of(path);
+  if (!sample) return sample.error();
+  std::string file = path;
+  if (!sample->numbers.empty()) {
+    Result<std::string> first = find_in_sequence(path, sample->first);
+    if (!first) return first.error();
+    file = std::move(*first);
+  }
+  const Convention convention = convention_of(file, *sample);
+  const double width = length_or(overrides, "/film/width", 1920.0),
+               height = length_or(overrides, "/film/height", 1080.0);
+  const double tan_y = std::tan(0.5 * fov_y_degrees * std::numbers::pi / 180.0);
+  // A few huge discs are no reason to stand far away.
+  std::vector<float> reaches = sample->reaches;
+  double reach = 0.0;
+  if (!reaches.empty() && !sample->gaussians) {
+    const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
+    std::nth_element(reaches.begin(), middle, reaches.end());
+    reach = *middle;
+  }
+  const io::Front& front = convention.front;
+  const Result<io::Framing> framing =
+      io::frame_points(sample->points, reach, front, tan_y * width / height, tan_y);
+  if (!framing) return Error{path, framing.error().field, framing.error().reason};
+
+  CloudScene scene;
+  scene.text = text_of(*sample, path, folder, *framing, front.up, width, height);
+  scene.assumed.push_back("assumed: seen from the front and " + shortest_text(front.above_degrees) +
+                          " degrees above, " + convention.why);
+  std::string frame = "assumed: framed by the points";
+  if (!sample->numbers.empty()) {
+    frame += sample->numbers.size() == 1 ? " of file" : " of files";
+    for (std::size_t i = 0; i < sample->numbers.size(); ++i)
+      frame += (i > 0 ? ", " : " ") + std::to_string(sample->numbers[i]);
+  }
+  if (framing->far > 0)
+    frame += ", but for " + std::to_string(framing->far) + " of " + std::to_string(sample->points.size()) +
+             " that are far from the rest";
+  scene.assumed.push_back(std::move(frame));
+  if (std::string line = defaults_line(overrides); !line.empty()) scene.assumed.push_back(std::move(line));
+  if (!sample->colors) scene.assumed.push_back("assumed: coloured by normals, for there are no colours");
+  if (sample->dropped > 0) scene.assumed.push_back("assumed: points that are not finite may be dropped");
+  return scene;
+}
+
+}  // namespace
+
+Result<CloudScene> scene_of_points(const std::string& path, const std::string& folder,
+                                   const SceneOverrides& overrides) {
+  return io::guarded(path, [&] { return make_scene(path, folder, overrides); });
+}
+
+Result<SceneFile> read_scene_or_points(const std::string& path, const SceneOverrides& overrides) {
+  if (!is_point_file_name(path)) return read_scene_file(path, overrides);
+  return io::guarded(path, [&]() -> Result<SceneFile> {
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    Result<CloudScene> scene = scene_of_points(path, folder, overrides);
+    if (!scene) return scene.error();
+    return scene_from_text(scene->text, path, overrides, std::move(scene->assumed));
+  });
+}
+
+}  // namespace swept
