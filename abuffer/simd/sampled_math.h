@@ -114,8 +114,9 @@ struct SampledMath {
   const char* name;
 
   /// Everything of `placed` but colours and what general lanes need.
-  void (*place)(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet,
-                PlacedPacket& placed);
+  /// Discs that miss the pixels [x, x + width) × [y, y + height) of the film are not seen.
+  void (*place)(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet, int x,
+                int y, int width, int height, PlacedPacket& placed);
 
   /// Lets the discs of `lanes` come to the front where they are nearest. Of equal depths the larger tolerance
   /// holds.

@@ -76,7 +76,7 @@ class SurfaceModel {
     const double share = static_cast<double>(transmittance) * duration;
     const float of_color = per_pixel_ ? 1.0f : factor;
     for (int c = 0; c < 3; ++c) pixel.rgba[c] += share * static_cast<double>(surface.rgba[c] * of_color);
-    pixel.rgba[3] += share * static_cast<double>(surface.rgba[3] * factor);
+    pixel.rgba[3] += share * static_cast<double>(alpha);
     if (per_pixel_) pixel.opacity += share * static_cast<double>(surface.rgba[3]);
     pixel.depth += share * static_cast<double>(alpha) * static_cast<double>(surface.depth / surface.weight);
     transmittance *= 1.0f - alpha;
