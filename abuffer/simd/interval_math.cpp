@@ -53,7 +53,7 @@ FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
 
 SWEPT_BUILD(avx2, "avx2")
 // Twice the registers and masks for comparisons; vectors stay as wide.
-SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=256")
+SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq")
 #undef SWEPT_BUILD
 #endif
 
