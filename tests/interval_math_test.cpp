@@ -173,6 +173,61 @@ TEST(IntervalMath, AllBuildsGiveTheSameBits) {
   }
 }
 
+/// Fragments that begin and end anywhere, at depths of one surface or of several.
+TEST(IntervalMath, FrontsAndSwingsHaveTheSameBitsInAllBuilds) {
+  Random random(4);
+  const auto builds = interval_math_builds();
+  int whole = 0, cut = 0;
+  for (int i = 0; i < 20000; ++i) {
+    MemberSet members;
+    FragmentArrays arrays;
+    arrays.ensure(1);
+    const int count = 1 + static_cast<int>(random() % 40);
+    const double spread = random() % 2 ? 0.02 : 0.3;
+    for (int k = 0; k < count; ++k) {
+      const double from = uniform(random, 0.0, 0.6), to = uniform(random, from + 0.01, 1.0);
+      arrays.t_begin[0] = ticks_of(from);
+      arrays.t_end[0] = ticks_of(to);
+      arrays.y[0] = static_cast<float>(uniform(random, -2.0, 1.0));
+      arrays.rate[0] = static_cast<float>(uniform(random, 0.0, 4.0));
+      arrays.peak[0] = static_cast<float>(uniform(random, 0.0, 1.0));
+      arrays.z[0] = static_cast<float>(3.0 + uniform(random, 0.0, spread));
+      arrays.z_rate[0] = static_cast<float>(uniform(random, -0.01, 0.01));
+      members.push(arrays, 0, {{0.5f, 0.25f, static_cast<float>(uniform(random, 0.0, 1.0)), 1.0f}, 0.05f});
+    }
+    const Members view = members.view();
+    const Ticks begin = ticks_of(uniform(random, 0.1, 0.6)),
+                end = begin + ticks_of(uniform(random, 1e-3, 0.2));
+    const FrontSum front = builds[0].front_over(view, begin, end);
+    ++(front.settled_until == end ? whole : cut);
+    std::vector<float> mean(view.padded), from(view.padded), to(view.padded);
+    (void)builds[0].sum_over(view, begin, end, mean.data());
+    (void)builds[0].depths_over(view, begin, end, from.data(), to.data());
+    std::array<std::vector<float>, 4> first, mine;
+    const auto swings = [&](const IntervalMath& math, std::array<std::vector<float>, 4>& out) {
+      for (std::vector<float>& field : out) field.resize(view.padded);
+      math.swings_over(view, begin, end, mean.data(),
+                       {from.data(), to.data(), out[0].data(), out[1].data(), out[2].data(), out[3].data()});
+    };
+    swings(builds[0], first);
+    for (const IntervalMath& math : builds.subspan(1)) {
+      const FrontSum other = math.front_over(view, begin, end);
+      ASSERT_EQ(front.settled_until, other.settled_until) << math.name << " " << i;
+      if (front.settled_until == end) {
+        ASSERT_EQ(bits_of_floats(front.mean), bits_of_floats(other.mean)) << math.name << " " << i;
+        ASSERT_EQ(bits_of_floats(front.swing), bits_of_floats(other.swing)) << math.name << " " << i;
+        ASSERT_EQ(front.low, other.low) << math.name << " " << i;
+        ASSERT_EQ(front.squares, other.squares) << math.name << " " << i;
+      }
+      swings(math, mine);
+      for (int a = 0; a < 4; ++a)
+        ASSERT_TRUE(same_bits(first[a].data(), mine[a].data(), view.count)) << math.name << " " << i;
+    }
+  }
+  EXPECT_GT(whole, 1000);
+  EXPECT_GT(cut, 100);
+}
+
 /// A fragment that passes the pixel within a tick: its y there may be anything up to rate · 2⁻³¹, where exp's
 /// exponent once wrapped around.
 TEST(IntervalMath, YFarOutOfRangeIsNothingSeen) {

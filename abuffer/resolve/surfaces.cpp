@@ -16,8 +16,6 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
 constexpr float coverage_error = 0x1p-15f;
 
-constexpr float root_third = 0.577350269f;
-
 using Color = float __attribute__((vector_size(16)));
 
 }  // namespace
@@ -32,8 +30,9 @@ Ticks SurfaceStack::build(const ActiveSet& active, Ticks begin, Ticks end, Sweep
   counters_ = &counters;
   in_order_ = false;
   const Members all = active.members.view();
-  for (std::vector<float>* scratch : {&z_begin_, &z_end_, &behind_end_, &mean_, &swing_, &variation_, &depth_,
-                                      &depth_swing_, &at_begin_, &at_end_})
+  for (std::vector<float>* scratch :
+       {&z_begin_, &z_end_, &from_, &to_, &slope_, &tolerance_, &behind_to_, &mean_, &swing_, &variation_,
+        &depth_, &depth_swing_, &at_begin_, &at_end_})
     if (scratch->size() < all.padded + 1) scratch->resize(2 * all.padded + 1);
   // Each attempt may find that it has to end sooner; what it finds then holds for the shorter piece as well.
   for (;;) {
@@ -75,8 +74,11 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   }
 
   if (!in_order_) rank();
-  behind_end_[count] = infinity;
-  for (std::size_t i = count; i-- > 0;) behind_end_[i] = std::min(behind_end_[i + 1], z_end_[order_[i]]);
+  behind_to_[count] = infinity;
+  for (std::size_t i = count; i-- > 0;) {
+    to_[i] = z_end_[order_[i]];
+    behind_to_[i] = std::min(behind_to_[i + 1], to_[i]);
+  }
   weigh(begin, end);
   if (range.max_tolerance == 0.0f && stand_alone()) return end;
   limit_ = -infinity;
@@ -89,7 +91,7 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
     const Ticks sooner = measure(surfaces_.back(), begin, end);
     if (sooner < end) return std::min(sooner, until);
     take_light();
-    for (; first < last; ++first) limit_ = std::max({limit_, z_begin_[order_[first]], z_end_[order_[first]]});
+    for (; first < last; ++first) limit_ = std::max({limit_, from_[first], to_[first]});
   }
   limit_ += range.max_tolerance;
   return until;
@@ -138,37 +140,46 @@ void SurfaceStack::rank() {
   const float* const rates = active_->members.field(member_z_rate);
   const float* const tolerances = active_->members.field(member_tolerance);
   std::size_t kept = 0;
-  for (const std::uint32_t place : ranking_) {
-    if (slot_of[place] == ActiveSet::no_slot)
-      ranked_[place] = 0;
-    else
-      ranking_[kept++] = place;
+  for (Ranked& ranked : ranking_) {
+    ranked.slot = slot_of[ranked.place];
+    if (ranked.slot == ActiveSet::no_slot) {
+      ranked_[ranked.place] = 0;
+      continue;
+    }
+    ranked.z = z_begin_[ranked.slot];
+    ranking_[kept++] = ranked;
   }
   ranking_.resize(kept);
-  for (const std::uint32_t place : active_->place_of_slot) {
-    if (ranked_[place]) continue;
-    ranked_[place] = 1;
-    ranking_.push_back(place);
+  const std::vector<std::uint32_t>& places = active_->place_of_slot;
+  for (std::uint32_t slot = 0; slot < places.size(); ++slot) {
+    if (ranked_[places[slot]]) continue;
+    ranked_[places[slot]] = 1;
+    ranking_.push_back({z_begin_[slot], places[slot], slot});
   }
-  const auto nearer = [&](std::uint32_t place, std::uint32_t other) {
-    const std::uint32_t a = slot_of[place], b = slot_of[other];
-    if (z_begin_[a] != z_begin_[b]) return z_begin_[a] < z_begin_[b];
-    if (rates[a] != rates[b]) return rates[a] < rates[b];
-    if (tolerances[a] != tolerances[b]) return tolerances[a] > tolerances[b];
-    return place < other;
+  const auto nearer = [&](const Ranked& a, const Ranked& b) {
+    if (a.z != b.z) return a.z < b.z;
+    if (rates[a.slot] != rates[b.slot]) return rates[a.slot] < rates[b.slot];
+    if (tolerances[a.slot] != tolerances[b.slot]) return tolerances[a.slot] > tolerances[b.slot];
+    return a.place < b.place;
   };
   if (ranking_.size() - kept > 12) {
     std::sort(ranking_.begin(), ranking_.end(), nearer);
   } else {
     for (std::size_t i = 1; i < ranking_.size(); ++i) {
-      const std::uint32_t place = ranking_[i];
+      if (ranking_[i].z > ranking_[i - 1].z) continue;
+      const Ranked moved = ranking_[i];
       std::size_t k = i;
-      for (; k > 0 && nearer(place, ranking_[k - 1]); --k) ranking_[k] = ranking_[k - 1];
-      ranking_[k] = place;
+      for (; k > 0 && nearer(moved, ranking_[k - 1]); --k) ranking_[k] = ranking_[k - 1];
+      ranking_[k] = moved;
     }
   }
   order_.resize(ranking_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = slot_of[ranking_[i]];
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::uint32_t slot = order_[i] = ranking_[i].slot;
+    from_[i] = ranking_[i].z;
+    slope_[i] = rates[slot];
+    tolerance_[i] = tolerances[slot];
+  }
   slowest_ = *std::min_element(rates, rates + active_->members.size());
   in_order_ = true;
 }
@@ -178,60 +189,34 @@ void SurfaceStack::weigh(Ticks begin, Ticks end) {
   const Members all = active_->members.view();
   (void)math_.sum_over(all, begin, end, mean_.data());
   counters_->evaluations += all.count;
-  const float *t = all.field(member_t_begin), *y = all.field(member_y), *rate = all.field(member_rate),
-              *slope = all.field(member_z_rate);
-  const auto duration = static_cast<float>(share_of(end - begin));
-  const float *z_begin = z_begin_.data(), *z_end = z_end_.data(), *mean = mean_.data();
-  float *swing = swing_.data(), *variation = variation_.data(), *depth = depth_.data(),
-        *depth_swing = depth_swing_.data();
-  for (std::size_t k = 0; k < all.count; ++k) {
-    std::int32_t born;
-    std::memcpy(&born, t + k, sizeof born);
-    const float since = static_cast<float>(begin - born) * per_tick, span = rate[k] * duration;
-    const float middle = y[k] + rate[k] * (since + 0.5f * duration);
-    const float x = span * std::min(std::max(middle, -9.3f), 9.3f), square = x * x + span * span;
-    // The first terms of gaussian_centroid(); of a piece that is too long to have them, the nearer end.
-    const float centroid = std::min(std::max(x * ((1.0f / 90.0f) * square - (1.0f / 6.0f)), -0.25f), 0.25f);
-    swing[k] = mean[k] * (6.0f * root_third) * centroid;
-    // With x = s|m| the mean is at most exp(−m²) sinh(x)/x, and the least value, at an end, exp(−m² − x −
-    // s²/4): they differ by at most the mean times x + s²/4 + x²/6, for 1 − e⁻ᵃ x/sinh x ≤ a + x²/6.
-    variation[k] = mean[k] * (std::abs(x) + 0.25f * (span * span) + (1.0f / 6.0f) * (x * x));
-    const float z_middle = 0.5f * (z_begin[k] + z_end[k]),
-                z_swing = slope[k] * (0.5f * root_third * duration);
-    depth[k] = mean[k] * z_middle + swing[k] * z_swing;
-    depth_swing[k] = swing[k] * z_middle + mean[k] * z_swing;
-  }
+  math_.swings_over(
+      all, begin, end, mean_.data(),
+      {z_begin_.data(), z_end_.data(), swing_.data(), variation_.data(), depth_.data(), depth_swing_.data()});
 }
 
 /// Returns the end of the surface that is nearest just after `begin` and whose members are order_[first, …).
 /// Shortens `end` to the time until which they are its members.
 std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& end) {
   const std::size_t count = order_.size();
-  const float* const rates = active_->members.field(member_z_rate);
-  const float* const tolerances = active_->members.field(member_tolerance);
-  const std::uint32_t nearest = order_[first];
-  const float limit = z_begin_[nearest] + tolerances[nearest];
+  const float limit = from_[first] + tolerance_[first];
 
   // If no member is out of reach of the lower envelope at either end, none leaves between; and what lies
   // beyond reach of one and the same member at both ends stays behind.
-  std::size_t last = first;
-  std::uint32_t nearest_at_end = nearest;
+  std::size_t last = first, nearest_at_end = first;
   float smallest = infinity, largest = 0.0f, farthest_end = -infinity;
   for (; last < count; ++last) {
-    const std::uint32_t k = order_[last];
-    if (!(z_begin_[k] < limit || (z_begin_[k] == limit && rates[k] <= rates[nearest]))) break;
-    if (z_end_[k] < z_end_[nearest_at_end]) nearest_at_end = k;
-    smallest = std::min(smallest, tolerances[k]);
-    largest = std::max(largest, tolerances[k]);
-    farthest_end = std::max(farthest_end, z_end_[k]);
+    if (!(from_[last] < limit || (from_[last] == limit && slope_[last] <= slope_[first]))) break;
+    if (to_[last] < to_[nearest_at_end]) nearest_at_end = last;
+    smallest = std::min(smallest, tolerance_[last]);
+    largest = std::max(largest, tolerance_[last]);
+    farthest_end = std::max(farthest_end, to_[last]);
   }
-  const bool none_leaves = z_begin_[order_[last - 1]] - z_begin_[nearest] <= smallest &&
-                           farthest_end - z_end_[nearest_at_end] <= smallest;
-  const auto all_beyond = [&](std::uint32_t of) {
-    return last == count ||
-           (z_begin_[order_[last]] - z_begin_[of] > largest && behind_end_[last] - z_end_[of] > largest);
+  const bool none_leaves =
+      from_[last - 1] - from_[first] <= smallest && farthest_end - to_[nearest_at_end] <= smallest;
+  const auto all_beyond = [&](std::size_t of) {
+    return last == count || (from_[last] - from_[of] > largest && behind_to_[last] - to_[of] > largest);
   };
-  if (none_leaves && (all_beyond(nearest) || all_beyond(nearest_at_end))) return last;
+  if (none_leaves && (all_beyond(first) || all_beyond(nearest_at_end))) return last;
 
   // Otherwise until the nearest is overtaken, or something comes within its tolerance or leaves it.
   const double duration = share_of(end - begin);
@@ -250,16 +235,13 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& 
 
 /// After how long the surface order_[first, last) has other members, or `duration`.
 double SurfaceStack::wait_for_change(std::size_t first, std::size_t last, double duration) const {
-  const float* const rates = active_->members.field(member_z_rate);
-  const std::uint32_t nearest = order_[first];
-  const float tolerance = active_->members.field(member_tolerance)[nearest];
+  const float tolerance = tolerance_[first];
   double wait = duration;
   for (std::size_t i = first + 1; i < order_.size(); ++i) {
-    const std::uint32_t k = order_[i];
-    const float above = z_begin_[k] - z_begin_[nearest];
+    const float above = from_[i] - from_[first];
     // From here on nothing is fast enough.
-    if (i >= last && double{above - tolerance} > (double{rates[nearest]} - slowest_) * wait) break;
-    const float rate = rates[k] - rates[nearest];
+    if (i >= last && double{above - tolerance} > (double{slope_[first]} - slowest_) * wait) break;
+    const float rate = slope_[i] - slope_[first];
     if (i < last && rate > 0.0f)
       wait = std::min(wait, double{tolerance - above} / rate);
     else if (rate < 0.0f)

@@ -124,15 +124,21 @@ class SurfaceStack {
   IntervalMath math_;
   const ActiveSet* active_ = nullptr;
   SweepCounters* counters_ = nullptr;
-  std::vector<std::uint32_t> ranking_;  ///< places by depth, as of the piece before
-  std::vector<std::uint8_t> ranked_;    ///< by place: whether it is in ranking_
-  bool in_order_ = false;               ///< order_ is by depth at this piece's begin
-  std::vector<std::uint32_t> order_;    ///< slots: the members of the first surface, of the second, …
+  struct Ranked {
+    float z;  ///< as the piece begins
+    std::uint32_t place, slot;
+  };
+  std::vector<Ranked> ranking_;       ///< by depth, as of the piece before
+  std::vector<std::uint8_t> ranked_;  ///< by place: whether it is in ranking_
+  bool in_order_ = false;             ///< order_ is by depth at this piece's begin
+  std::vector<std::uint32_t> order_;  ///< slots: the members of the first surface, of the second, …
   std::vector<Surface> surfaces_;
   AloneStack alone_;  ///< instead of surfaces_ where these are empty
   float limit_ = 0.0f, margin_ = 0.0f, transmittance_ = 1.0f;
-  float slowest_ = 0.0f;                             ///< the least rate of depth
-  std::vector<float> z_begin_, z_end_, behind_end_;  ///< behind_end_[i]: the least z_end_ of order_[i, …)
+  float slowest_ = 0.0f;                              ///< the least rate of depth
+  std::vector<float> z_begin_, z_end_;                ///< by slot
+  std::vector<float> from_, to_, slope_, tolerance_;  ///< in the order of order_: z_begin_, z_end_ and so on
+  std::vector<float> behind_to_;                      ///< the least to_ of [i, …)
   std::vector<float> mean_, swing_, variation_, depth_, depth_swing_;
   std::vector<float> at_begin_, at_end_;
   bool instants_known_ = false;

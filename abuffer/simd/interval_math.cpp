@@ -12,6 +12,7 @@ namespace swept {
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
+void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean, const Swings& out);
 
 namespace {
 
@@ -23,12 +24,21 @@ MemberSum sum_over_default(const Members& members, Ticks begin, Ticks end, float
   return sum_over_text(members, begin, end, mean);
 }
 
+void swings_over_default(const Members& members, Ticks begin, Ticks end, const float* mean,
+                         const Swings& out) {
+  swings_over_text(members, begin, end, mean, out);
+}
+
 FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
   return front_over_text(members, begin, end);
 }
 
 #if defined(SWEPT_AVX2)
 #define SWEPT_BUILD(name, isa)                                                                               \
+  __attribute__((target(isa))) void swings_over_##name(const Members& members, Ticks begin, Ticks end,       \
+                                                       const float* mean, const Swings& out) {               \
+    swings_over_text(members, begin, end, mean, out);                                                        \
+  }                                                                                                          \
   __attribute__((target(isa))) FrontSum front_over_##name(const Members& members, Ticks begin, Ticks end) {  \
     return front_over_text(members, begin, end);                                                             \
   }                                                                                                          \
@@ -43,16 +53,16 @@ FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
 
 SWEPT_BUILD(avx2, "avx2")
 // Twice the registers and masks for comparisons; vectors stay as wide.
-SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=256")
+SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq")
 #undef SWEPT_BUILD
 #endif
 
 constexpr std::array builds = {
-    IntervalMath{"scalar", depths_over_scalar, sum_over_scalar, front_over_scalar},
-    IntervalMath{"default", depths_over_default, sum_over_default, front_over_default},
+    IntervalMath{"scalar", depths_over_scalar, sum_over_scalar, swings_over_scalar, front_over_scalar},
+    IntervalMath{"default", depths_over_default, sum_over_default, swings_over_default, front_over_default},
 #if defined(SWEPT_AVX2)
-    IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2, front_over_avx2},
-    IntervalMath{"AVX-512", depths_over_avx512, sum_over_avx512, front_over_avx512}
+    IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2, swings_over_avx2, front_over_avx2},
+    IntervalMath{"AVX-512", depths_over_avx512, sum_over_avx512, swings_over_avx512, front_over_avx512}
 #endif
 };
 

@@ -73,6 +73,14 @@ struct FrontSum {
   Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
 };
 
+/// By member, over a piece in which all are there: what swings_over() reads, and what it writes.
+struct Swings {
+  const float *z_begin, *z_end;  ///< as depths_over() gives them
+  float* swing;                  ///< of ρ, as in FrontSum
+  float* variation;              ///< a bound of how far ρ gets below its mean
+  float *depth, *depth_swing;    ///< of ρz
+};
+
 /// The arithmetic as built for one instruction set. All builds give the same bits.
 struct IntervalMath {
   const char* name;
@@ -85,6 +93,10 @@ struct IntervalMath {
   /// y + rate·(τ − t_begin). That rounding, 2⁻²⁴ (|y| + 3 rate·(τ − t_begin)), is the size of those in
   /// the fragment's own numbers, and costs 2|y| times as much of the mean.
   MemberSum (*sum_over)(const Members& members, Ticks begin, Ticks end, float* mean);
+
+  /// How each member's ρ and ρz run over [begin, end], given its `mean` there. All arrays have room for
+  /// `padded` values. Where a piece is too long for a series, a swing is the most that it may be.
+  void (*swings_over)(const Members& members, Ticks begin, Ticks end, const float* mean, const Swings& out);
 
   /// The nearest surface over [begin, end], of members that may begin and end within: at every instant those
   /// within the nearest one's tolerance of it. Precondition: begin < end.

@@ -138,6 +138,31 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, Ticks begin, Ticks 
   return sum;
 }
 
+/// Gauss's two points lie this much of a piece's half before and after its middle.
+constexpr float root_third = 0.577350269f;
+
+SWEPT_INLINE void swings_over_text(const Members& members, Ticks begin, Ticks end, const float* mean,
+                                   const Swings& out) {
+  const float *t = members.field(member_t_begin), *y = members.field(member_y),
+              *rate = members.field(member_rate), *slope = members.field(member_z_rate);
+  const auto duration = static_cast<float>(share_of(end - begin));
+  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
+    const Lanes speed = load(rate + i), span = smaller(speed * duration, all(1e3f)), m = load(mean + i);
+    const Lanes middle = load(y + i) + speed * (since(begin, t + i) + 0.5f * duration);
+    const Lanes x = larger(smaller(middle, all(9.3f)), all(-9.3f)) * span, square = x * x + span * span;
+    // The first terms of gaussian_centroid(), within what it can be.
+    const Lanes series = x * ((1.0f / 90.0f) * square - (1.0f / 6.0f));
+    const Lanes swing = m * (6.0f * root_third) * larger(smaller(series, all(0.25f)), all(-0.25f));
+    store(swing, out.swing + i);
+    // As the variation of sum_over_text().
+    store(m * (magnitude(x) + 0.25f * (span * span) + (1.0f / 6.0f) * (x * x)), out.variation + i);
+    const Lanes z_middle = 0.5f * (load(out.z_begin + i) + load(out.z_end + i));
+    const Lanes z_swing = load(slope + i) * (0.5f * root_third * duration);
+    store(m * z_middle + swing * z_swing, out.depth + i);
+    store(swing * z_middle + m * z_swing, out.depth_swing + i);
+  }
+}
+
 /// Of a piece, the times in which one member stays the nearest, and how deep the front reaches in each.
 struct FrontTimes {
   static constexpr int most = 8;
@@ -276,7 +301,6 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
         low_slope = weight, fastest = weight, reaches = weight;
   LaneBits behind = lanes_below(0), unsettled = behind;
   const float per_duration = 1.0f / static_cast<float>(end - begin);
-  constexpr float root_third = 0.577350269f;
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
     const Lanes slope = load(z_rate + i);

@@ -7,6 +7,7 @@ namespace swept {
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end);
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
+void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean, const Swings& out);
 
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
@@ -18,6 +19,11 @@ MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float*
 
 FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end) {
   return front_over_text(members, begin, end);
+}
+
+void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean,
+                        const Swings& out) {
+  swings_over_text(members, begin, end, mean, out);
 }
 
 }  // namespace swept
