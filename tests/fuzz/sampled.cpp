@@ -20,8 +20,31 @@ Image render(const Scene& scene, SampledOptions options, int threads = 1) {
   return std::move(rendered->image);
 }
 
-/// Both round, and a fragment at the very end of a surface's reach, of a disc's rim or of the near plane may
-/// fall on either side: so much for the mean over the pixels, and no single one is held to anything.
+/// Whether a fragment's weight decides by how much it shows, and not rounding alone whether it shows at all:
+/// as with a disc that is edge-on to the last digit, or 10²⁰ times as long as it is far.
+bool is_judged(const Scene& scene) {
+  const ImageModel& model = scene.model;
+  bool judged = model.coverage == Coverage::soft && model.edge_weight >= 0x1p-6 &&
+                model.filter_radius_px >= 0x1p-4 && scene.camera.near >= 1e-6;
+  const auto within = [&](const auto& vector) {
+    judged = judged && static_cast<double>(vector.cwiseAbs().maxCoeff()) <= 1e4;
+  };
+  for (const LookAtKey& key : scene.camera.look_ats) within(key.eye), within(key.target);
+  for (const Object& object : scene.objects) {
+    for (const TransformKey& key : object.transform.keys) {
+      within(key.translate), within(key.scale);
+      judged = judged && std::abs(key.rotate_radians) <= 1e4;
+    }
+    for (const SurfelKey& key : object.cloud.keys)
+      for (std::size_t i = 0; i < key.pose.size(); ++i)
+        within(key.pose.position[i]), within(key.pose.axis_u[i]), within(key.pose.axis_v[i]);
+    for (const Eigen::Vector3f& velocity : object.cloud.velocity) within(velocity);
+  }
+  return judged;
+}
+
+/// Both round, and a fragment at the very end of a surface's reach, or of the near plane, may fall on either
+/// side: in one pixel of fifty.
 void check_reference(const Image& image, const Scene& scene, int samples) {
   ReferenceOptions options;
   options.samples = samples;
@@ -42,7 +65,6 @@ void check_reference(const Image& image, const Scene& scene, int samples) {
                              (c < 3 ? double{largest} : 1.0));
     off += most > 1e-3 ? 1 : 0;
   }
-  if (off * 50 > image.pixel_count()) std::fprintf(stderr, "off %zu of %zu\n", off, image.pixel_count());
   SWEPT_HOLDS(off * 50 <= image.pixel_count());
 }
 
@@ -66,7 +88,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Image image = render(scene, options);
   fuzz::check_pixels(image);
   fuzz::check_same(image, render(fuzz::reversed(scene), options, 2));
-  if (options.samples > 0) check_reference(image, scene, options.samples);
+  if (options.samples > 0 && is_judged(scene)) check_reference(image, scene, options.samples);
   options.implementation = 0;
   scene.film.crop_x = image.width / 2;
   scene.film.crop_y = image.height / 2;
