@@ -14,6 +14,7 @@
 #include "tools/completion.h"
 #include "tools/console.h"
 #include "tools/info_command.h"
+#include "tools/init_command.h"
 #include "tools/render_command.h"
 #include "tools/study/study_command.h"
 #include "tools/study/worker.h"
@@ -21,6 +22,8 @@
 namespace {
 
 constexpr const char* footer = R"(Examples:
+  swept render cloud.ply -o picture.exr                    points, without a scene file
+  swept init cloud.ply -o scene.json                       the scene file to go on from
   swept info scene.json                                    what a scene holds
   swept render scene.json -o picture.exr                   its own frame
   swept render scene.json -o f.%04d.exr --frames 1-100x2   every other one of a hundred
@@ -68,6 +71,7 @@ int run(int argc, char** argv) {
   try {
     swept::add_render_command(app, exit_code);
     swept::add_info_command(app, exit_code);
+    swept::add_init_command(app, exit_code);
     swept::add_compare_command(app, exit_code);
     swept::add_study_command(app, exit_code);
     swept::add_study_worker_command(app, exit_code);

@@ -35,9 +35,25 @@ struct Sample {
   bool colors = false, gaussians = false;
   std::vector<std::string> properties;  ///< of the first file, read or not
   std::size_t dropped = 0;
+  double white = 0.0;        ///< the stored intensity to show as white, if intensities are shown
   std::vector<int> numbers;  ///< of the files of a sequence that were looked at
   int first = 0;             ///< number in the sequence
 };
+
+/// Nearly the brightest: few scans use all of their range, and some points outshine all others by far.
+Result<double> white_of(const std::string& path, bool skip_invalid) {
+  ReadOptions as_stored;
+  as_stored.skip_invalid = skip_invalid;
+  as_stored.color_range = 1.0;
+  as_stored.color_space = ColorSpace::linear;
+  Result<PointSet> set = read_points(path, as_stored);
+  if (!set) return set.error();
+  if (set->color.empty()) return 0.0;
+  const auto rank = set->color.begin() + static_cast<std::ptrdiff_t>(set->size() - 1 - set->size() / 50);
+  std::nth_element(set->color.begin(), rank, set->color.end(),
+                   [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); });
+  return static_cast<double>(rank->x());
+}
 
 Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
   ReadOptions options;
@@ -55,6 +71,11 @@ Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
   if (!sample.properties.empty()) return Done{};
   sample.colors = !set->color.empty();
   sample.gaussians = !set->axis_u.empty();
+  if (sample.colors && !set->report.properties_of("intensity").empty()) {
+    const Result<double> white = white_of(path, skip_invalid);
+    if (!white) return white.error();
+    sample.white = *white;
+  }
   sample.properties = set->report.unread;
   for (const ReadReport::Use& use : set->report.used)
     sample.properties.insert(sample.properties.end(), use.properties.begin(), use.properties.end());
@@ -170,6 +191,7 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
   Json source;
   source[sample.numbers.empty() ? "file" : "sequence"] = path_from(folder, path);
   if (sample.dropped > 0) source["skip_invalid"] = true;
+  if (sample.white > 0.0) source["color_range"] = sample.white;
   Json object = {{"name", std::filesystem::path(path).filename().string()}, {"source", source}};
   if (!sample.colors) object["color"] = "normals";
   const int frame = sample.numbers.empty() ? 1 : sample.first;
@@ -234,7 +256,12 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
   scene.assumed.push_back(std::move(frame));
   if (std::string line = defaults_line(overrides); !line.empty()) scene.assumed.push_back(std::move(line));
   if (!sample->colors) scene.assumed.push_back("assumed: coloured by normals, for there are no colours");
-  if (sample->dropped > 0) scene.assumed.push_back("assumed: points that are not finite may be dropped");
+  if (sample->white > 0.0)
+    scene.assumed.push_back("assumed: an intensity of " + shortest_text(sample->white) +
+                            " is white, which 98% of the points do not exceed");
+  if (sample->dropped > 0)
+    scene.assumed.push_back("assumed: points that are not finite are left out, " +
+                            std::to_string(sample->dropped) + " of them");
   return scene;
 }
 

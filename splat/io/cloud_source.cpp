@@ -118,6 +118,11 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
   if (source.color_by_normals) {
     if (Status s = color_by_normals(loaded.cloud); !s) return s.error();
+    // Of two guesses neighbours should make the same one: that z is not negative, which is up or to the
+    // front.
+    for (const std::size_t i : discs.unoriented)
+      if (Eigen::Vector3f& color = loaded.cloud.color[i]; color.z() < 0.5f)
+        color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);

@@ -30,11 +30,13 @@ struct CloudSource {
   std::vector<KeyFile> files;
   std::map<std::string, std::string> attributes;  ///< as ReadOptions::attributes
   VelocityUnit velocity_unit = VelocityUnit::per_second;
-  FrameRate fps;                          ///< turns velocities per second into velocities per frame
-  std::optional<double> radius;           ///< every disc becomes round with this radius, object units, > 0
-  double radius_scale = 1.0;              ///< multiplies whatever the radii are, > 0
-  std::optional<Eigen::Vector3f> color;   ///< linear Rec.709, replaces the file's colours
-  bool color_by_normals = false;          ///< as color_by_normals(); not together with `color`
+  FrameRate fps;                         ///< turns velocities per second into velocities per frame
+  std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
+  double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
+  std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
+  /// As color_by_normals(), but of estimated normals, whose side is not known, the side toward +z; not
+  /// together with `color`.
+  bool color_by_normals = false;
   bool skip_invalid = false;              ///< as ReadOptions::skip_invalid; single files only
   std::optional<double> color_range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space

@@ -89,9 +89,11 @@ Result<Framing> frame_points(const std::vector<Eigen::Vector3d>& points, double 
     Eigen::Vector2d first = Eigen::Vector2d::Constant(HUGE_VAL), last = -first;
     for (const Eigen::Vector3d& p : near) {
       const Eigen::Vector3d q = p - target;
-      const Eigen::Vector2d seen = Eigen::Vector2d(q.dot(x_axis), q.dot(y_axis)) / (distance - q.dot(back));
-      first = first.cwiseMin(seen);
-      last = last.cwiseMax(seen);
+      const double depth = distance - q.dot(back);
+      const Eigen::Vector2d seen(q.dot(x_axis) / depth, q.dot(y_axis) / depth);
+      const Eigen::Vector2d disc = Eigen::Vector2d::Constant(reach / depth);
+      first = first.cwiseMin(seen - disc);
+      last = last.cwiseMax(seen + disc);
     }
     const Eigen::Vector2d middle = 0.5 * distance * (first + last);
     target += middle.x() * x_axis + middle.y() * y_axis;
