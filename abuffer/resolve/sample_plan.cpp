@@ -46,23 +46,24 @@ ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count) {
   grey_ = squares.grey * scale;
   // Fewer instants than this show no second frequency: at 1/N the error is half of what they show.
   constexpr int least = 4;
-  extrapolate(count < least || squares.quarter == 0.0 ? 0.25 : 0.5 * squares.grey / squares.quarter);
+  extrapolate(count < least || squares.quarter == 0.0 ? 0.25 : 0.5 * squares.grey / squares.quarter, count);
 }
 
 void ErrorEstimate::refine(const SampledCell::Squares& squares, int count) {
   const double before = grey_, scale = 1.0 / (double{1.0} * count * count);
   alternating_ = squares.alternating * scale;
   grey_ = squares.grey * scale;
-  extrapolate(before > 0.0 ? grey_ / before : 0.25);
+  extrapolate(before > 0.0 ? grey_ / before : 0.25, count);
 }
 
 /// `falls_by`: F²(N/2) over F²(N/4).
-void ErrorEstimate::extrapolate(double falls_by) {
+void ErrorEstimate::extrapolate(double falls_by, int count) {
   // Of a jump all multiples of N count, Σ1/k² = π²/6, where the sums see the odd ones of N/2 and N/4, π²/8
   // each.
   constexpr double multiples = 4.0 / 3.0;
-  // What is smooth falls fast until edges lead, which fall by 4; nothing seen so far tells when.
-  constexpr double least_fall = 0.15;
+  // What is smooth falls fast until edges lead, which fall by 4; nothing seen so far tells when, and few
+  // instants least.
+  const double least_fall = count < 12 ? 0.25 : 0.15;
   squares_ = multiples * alternating_ * std::clamp(falls_by, least_fall, 1.0);
 }
 

@@ -37,7 +37,7 @@ class ErrorEstimate {
   [[nodiscard]] double squares() const { return squares_; }
 
  private:
-  void extrapolate(double falls_by);
+  void extrapolate(double falls_by, int count);
 
   double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0;
 };
