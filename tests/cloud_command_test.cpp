@@ -233,6 +233,74 @@ TEST_F(CloudCommand, InitWritesTheSceneThatIsDrawn) {
   EXPECT_EQ(swept({"info", "deep/scene.json"}).exit_code, 0);
 }
 
+/// Two cameras on the z axis at 8 and 5, which look at the origin.
+std::string transforms(const std::string& lens) {
+  const auto frame = [](const char* z) {
+    return std::string("{\"file_path\": \"a.png\", \"transform_matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,") + z +
+           "],[0,0,0,1]]}";
+  };
+  return "{" + lens + ", \"frames\": [" + frame("8") + ", " + frame("5") + "]}";
+}
+
+TEST_F(CloudCommand, TakesTheCameraOfTransformsJson) {
+  put(folder_ / "ball.xyz", sphere(2000, 0, 0, 0, true, [](double, double, double) { return ""; }));
+  put(folder_ / "focal.json",
+      transforms(R"("fl_x": 120, "fl_y": 120, "cx": 48, "cy": 27, "w": 96, "h": 54, "k1": 0.01)"));
+  // The same field of view as an angle: 2 atan(48 / 120).
+  put(folder_ / "angle.json", transforms(R"("camera_angle_x": 0.7610127542247298, "w": 96, "h": 54)"));
+  for (const std::string name : {"focal", "angle"}) {
+    const Outcome outcome = swept({"render", "ball.xyz", "--camera", name + ".json", "-o", name + ".%d.exr",
+                                   "--frames", "1-2", "--shutter", "0,0"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    expect_said(outcome.err,
+                {"assumed: the camera is at the 2 frames of " + name + ".json, from frame 1 on"});
+    EXPECT_EQ(outcome.err.find("framed by"), std::string::npos);
+    EXPECT_EQ(outcome.err.find("distortion k1") != std::string::npos, name == "focal");
+    // A ball of radius 1 at distance d has the angle asin(1/d), 120 px · tan of which is its picture's
+    // radius.
+    for (const int frame : {1, 2}) {
+      const Result<Image> image = read_exr(folder_ / (name + "." + std::to_string(frame) + ".exr"));
+      ASSERT_TRUE(image.ok());
+      ASSERT_EQ(image->width, 96);
+      double area = 0.0;
+      for (std::size_t i = 3; i < image->rgba.size(); i += 4) area += static_cast<double>(image->rgba[i]);
+      const double distance = frame == 1 ? 8.0 : 5.0, radius = 120.0 * std::tan(std::asin(1.0 / distance));
+      // Discs reach over the silhouette by less than a pixel.
+      EXPECT_NEAR(std::sqrt(area / std::numbers::pi), radius, 1.0) << name << frame;
+    }
+  }
+  // Of a scene file it replaces the camera, and nothing else.
+  ASSERT_EQ(swept({"init", "ball.xyz"}).exit_code, 0);
+  const Outcome info = swept({"info", "scene.json", "--camera", "focal.json", "--frame", "2"});
+  expect_said(info.out, {"film      1920 x 1080 px", "  eye     0 0 5\n"});
+}
+
+TEST_F(CloudCommand, RefusesCamerasThatItHasNot) {
+  put(folder_ / "ball.xyz", sphere(50, 0, 0, 0, true, [](double, double, double) { return ""; }));
+  const auto expect_refused = [&](const std::string& text, const std::string& message) {
+    put(folder_ / "camera.json", text);
+    const Outcome outcome = swept({"info", "ball.xyz", "--camera", "camera.json"});
+    EXPECT_EQ(outcome.exit_code, 1) << text;
+    expect_said(outcome.err, {"camera.json: " + message});
+  };
+  expect_refused(transforms(R"("fl_x": 120, "fl_y": 130, "w": 96, "h": 54)"), "/fl_y: differs from fl_x");
+  expect_refused(transforms(R"("fl_x": 120, "cx": 50, "w": 96, "h": 54)"), "/cx: is not half of w");
+  expect_refused(transforms(R"("fl_x": 120, "cy": 20, "w": 96, "h": 54)"), "/cy: is not half of h");
+  expect_refused(transforms(R"("fl_x": 120, "w": 96, "h": 54, "camera_model": "OPENCV_FISHEYE")"),
+                 "/camera_model");
+  expect_refused(transforms(R"("w": 96, "h": 54)"), "/frames/0: no field of view");
+  expect_refused(R"({"camera_angle_x": 1, "frames": []})", "/frames: there are no frames");
+  expect_refused(R"({"camera_angle_x": 1})", "");
+  expect_refused("[1]", "");
+  expect_refused("", "");
+  std::string scaled = transforms(R"("camera_angle_x": 1)");
+  scaled.replace(scaled.rfind("[1,0,0,0]"), 9, "[2,0,0,0]");
+  expect_refused(scaled, "/frames/1/transform_matrix: ");
+  std::string short_row = transforms(R"("camera_angle_x": 1)");
+  short_row.replace(short_row.rfind("[1,0,0,0]"), 9, "[1,0,0]");
+  expect_refused(short_row, "/frames/1/transform_matrix/0: ");
+}
+
 TEST_F(CloudCommand, FailuresNameTheFileAndTheReason) {
   put(folder_ / "torn.ply", blender_ply().substr(0, 900));
   put(folder_ / "empty.xyz", "");

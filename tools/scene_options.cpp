@@ -130,6 +130,11 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
         ->type_name(option.type_name())
         ->group(of_image ? image_group : scene_group);
   }
+  command
+      .add_option("--camera", overrides->camera_file,
+                  "Take the camera from transforms.json of nerfstudio or instant-ngp, its frames from 1 on")
+      ->type_name("FILE.json")
+      ->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)
       ->group(scene_group);

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "splat/io/camera_file.h"
 #include "splat/io/frame_points.h"
 #include "splat/io/guarded.h"
 #include "splat/io/point_file.h"
@@ -242,8 +243,9 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
 
   CloudScene scene;
   scene.text = text_of(*sample, path, folder, *framing, front.up, width, height);
-  scene.assumed.push_back("assumed: seen from the front and " + shortest_text(front.above_degrees) +
-                          " degrees above, " + convention.why);
+  if (overrides.camera_file.empty())
+    scene.assumed.push_back("assumed: seen from the front and " + shortest_text(front.above_degrees) +
+                            " degrees above, " + convention.why);
   std::string frame = "assumed: framed by the points";
   if (!sample->numbers.empty()) {
     frame += sample->numbers.size() == 1 ? " of file" : " of files";
@@ -253,7 +255,7 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
   if (framing->far > 0)
     frame += ", but for " + std::to_string(framing->far) + " of " + std::to_string(sample->points.size()) +
              " that are far from the rest";
-  scene.assumed.push_back(std::move(frame));
+  if (overrides.camera_file.empty()) scene.assumed.push_back(std::move(frame));
   if (std::string line = defaults_line(overrides); !line.empty()) scene.assumed.push_back(std::move(line));
   if (!sample->colors) scene.assumed.push_back("assumed: coloured by normals, for there are no colours");
   if (sample->white > 0.0)
@@ -276,9 +278,18 @@ Result<SceneFile> read_scene_or_points(const std::string& path, const SceneOverr
   if (!is_point_file_name(path)) return read_scene_file(path, overrides);
   return io::guarded(path, [&]() -> Result<SceneFile> {
     const std::string folder = std::filesystem::path(path).parent_path().string();
-    Result<CloudScene> scene = scene_of_points(path, folder, overrides);
+    SceneOverrides wanted = overrides;
+    if (!overrides.camera_file.empty() && !overrides.fields.contains("/film/width")) {
+      const Result<io::CameraFile> camera = io::read_camera_file(overrides.camera_file);
+      if (!camera) return camera.error();
+      if (camera->film) {
+        wanted.fields["/film/width"] = {static_cast<double>(camera->film->first)};
+        wanted.fields["/film/height"] = {static_cast<double>(camera->film->second)};
+      }
+    }
+    Result<CloudScene> scene = scene_of_points(path, folder, wanted);
     if (!scene) return scene.error();
-    return scene_from_text(scene->text, path, overrides, std::move(scene->assumed));
+    return scene_from_text(scene->text, path, wanted, std::move(scene->assumed));
   });
 }
 

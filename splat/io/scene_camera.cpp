@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <Eigen/LU>
@@ -29,9 +30,20 @@ LookAtKey parse_look_at(const JsonNode& node) {
   return key;
 }
 
+/// Row by row, or as four rows.
+std::vector<double> matrix_numbers(const JsonNode& node) {
+  const std::vector<JsonNode> rows = node.elements();
+  if (rows.empty() || !rows.front().is_array()) return node.numbers(16);
+  if (rows.size() != 4) node.fail("expected 4 rows, found " + std::to_string(rows.size()));
+  std::vector<double> numbers;
+  for (const JsonNode& row : rows)
+    for (const double number : row.numbers(4)) numbers.push_back(number);
+  return numbers;
+}
+
 CameraKey parse_matrix(const JsonNode& node, bool opengl) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-  const std::vector<double> numbers = node.numbers(16);
+  const std::vector<double> numbers = matrix_numbers(node);
   const RowMajor matrix = Eigen::Map<const RowMajor>(numbers.data());
   // Four decimal digits must pass: entries off by 5e-5 put a product of two columns off by 3 · 1e-4.
   constexpr double rigid_tolerance = 3e-4;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <utility>
 
+#include "splat/io/camera_file.h"
 #include "splat/io/guarded.h"
 #include "splat/io/json_text.h"
 #include "splat/io/scene_parsing.h"
@@ -82,6 +83,31 @@ void parse_scene(const JsonNode& root, const std::string& folder, const SceneOve
     for (Object& object : scene.objects) object.segments = 0;
 }
 
+/// Puts the camera of a file in place of the scene's, whose near plane stays. What the scene has of a film
+/// stays too.
+void replace_camera(const std::string& camera_file, nlohmann::json& document,
+                    std::vector<std::string>& notes) {
+  Result<io::CameraFile> file = io::read_camera_file(camera_file);
+  if (!file) throw file.error();
+  try {
+    static_cast<void>(parse_camera(JsonNode(file->camera, camera_file), Film()));
+  } catch (const Error& error) {
+    // As the camera's own file has it: /keys/3/matrix is its /frames/3/transform_matrix.
+    std::string field = error.field;
+    if (field.starts_with("/keys")) field.replace(0, 5, "/frames");
+    if (const std::size_t at = field.find("/matrix"); at != std::string::npos)
+      field.replace(at, 7, "/transform_matrix");
+    throw Error{camera_file, field, error.reason};
+  }
+  if (document.is_object()) {
+    if (const auto old = document.find("camera");
+        old != document.end() && old->is_object() && old->contains("near"))
+      file->camera["near"] = (*old)["near"];
+    document["camera"] = std::move(file->camera);
+  }
+  notes.insert(notes.end(), file->notes.begin(), file->notes.end());
+}
+
 }  // namespace
 
 Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides) {
@@ -95,8 +121,9 @@ Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides&
 Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                   const SceneOverrides& overrides, std::vector<std::string> notes) {
   return io::guarded(path, [&]() -> Result<SceneFile> {
-    const Result<nlohmann::json> document = io::parse_json(path, text);
+    Result<nlohmann::json> document = io::parse_json(path, text);
     if (!document) return document.error();
+    if (!overrides.camera_file.empty()) replace_camera(overrides.camera_file, *document, notes);
     SceneFile file;
     file.path_ = path;
     file.notes_ = std::move(notes);

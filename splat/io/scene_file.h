@@ -78,6 +78,8 @@ struct SceneOverrides {
   /// those that name their own included.
   FieldValues fields;
   double points_scale = 1.0;  ///< multiplies the point counts of generated objects; > 0
+  /// transforms.json of nerfstudio or instant-ngp, in place of the scene's camera; empty: none.
+  std::string camera_file;
 };
 
 /// A scene file that was read and found valid. Clouds are loaded frame by frame.
