@@ -220,8 +220,8 @@ TEST(Sampled, TheSameBitsForAnyOrderOfPointsAndObjects) {
   std::mt19937 random(3);
   for (Object& object : shuffled.objects) {
     SurfelCloud& cloud = object.cloud;
-    for (std::size_t i = cloud.size() - 1; i > 0; --i) {
-      const std::size_t j = random() % (i + 1);
+    for (std::size_t left = cloud.size(); left > 1; --left) {
+      const std::size_t i = left - 1, j = random() % left;
       for (SurfelKey& key : cloud.keys) {
         std::swap(key.pose.position[i], key.pose.position[j]);
         std::swap(key.pose.axis_u[i], key.pose.axis_u[j]);

@@ -11,11 +11,11 @@ namespace {
 #define SWEPT_LANE inline
 #endif
 
-constexpr int vector_parts = packet_size / vector_lanes;
-constexpr float infinity = __builtin_inff();
+inline constexpr int vector_parts = packet_size / vector_lanes;
+inline constexpr float infinity = __builtin_inff();
 
 /// Adding and subtracting it rounds to whole numbers, halves to even, below 2²².
-constexpr float rounder = 12582912.0f;
+inline constexpr float rounder = 12582912.0f;
 
 SWEPT_LANE Vector rounded(Vector a) { return (a + all(rounder)) - all(rounder); }
 SWEPT_LANE Vector floor_of(Vector a) {

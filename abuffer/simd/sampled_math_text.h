@@ -11,10 +11,10 @@
 namespace swept {
 namespace {
 
-constexpr float lanes_x_4x4[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-constexpr float lanes_y_4x4[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-constexpr float lanes_x_8x2[16] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-constexpr float lanes_y_8x2[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+inline constexpr float lanes_x_4x4[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+inline constexpr float lanes_y_4x4[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+inline constexpr float lanes_x_8x2[16] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+inline constexpr float lanes_y_8x2[16] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
 
 struct Block4x4 {
   static constexpr int width = 4, height = 4;
@@ -148,8 +148,8 @@ SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const 
       });
 }
 
-void bring_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film, int width,
-                         int height, const SurfaceRule& rule, CellBuffers& cell) {
+inline void bring_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                                int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
@@ -185,8 +185,8 @@ SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Sp
       });
 }
 
-void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film, int width,
-                       int height, const SurfaceRule& rule, CellBuffers& cell) {
+inline void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                              int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
@@ -196,9 +196,9 @@ void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_fi
   });
 }
 
-std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, std::uint32_t first_disc,
-                             int x_film, int y_film, int width, int height, const SurfaceRule& rule,
-                             const CellBuffers& cell, FragmentBehind* out) {
+inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, std::uint32_t first_disc,
+                                    int x_film, int y_film, int width, int height, const SurfaceRule& rule,
+                                    const CellBuffers& cell, FragmentBehind* out) {
   std::size_t count = 0;
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!light_reaches(cell, span)) return;
@@ -226,7 +226,7 @@ std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, st
   return count;
 }
 
-void clear_text(CellBuffers& cell, int height) {
+inline void clear_text(CellBuffers& cell, int height) {
   const int count = (height + 4) * cell_pitch;
   const Vector none = all(infinity), zero = all(0.0f);
   for (int i = 0; i < count; i += vector_lanes) {
@@ -238,7 +238,7 @@ void clear_text(CellBuffers& cell, int height) {
   for (float& limit : cell.patch_limit) limit = infinity;
 }
 
-void measure_patches_text(CellBuffers& cell, int height) {
+inline void measure_patches_text(CellBuffers& cell, int height) {
   for (int patch_y = 0; patch_y < cell_patches; ++patch_y) {
     // Rows that the film does not have hold nothing and hide nothing.
     const int y_end = (patch_y + 1) * patch_px < height ? (patch_y + 1) * patch_px : height;
@@ -260,7 +260,7 @@ void measure_patches_text(CellBuffers& cell, int height) {
   }
 }
 
-bool shade_front_text(const SurfaceRule& rule, CellBuffers& cell, int height) {
+inline bool shade_front_text(const SurfaceRule& rule, CellBuffers& cell, int height) {
   const Vector edge = all(rule.edge_weight), one = all(1.0f), least = all(1.17549435e-38f);
   const Vector opaque = all(0x1p-24f);
   std::uint32_t any = 0;
@@ -289,8 +289,8 @@ bool shade_front_text(const SurfaceRule& rule, CellBuffers& cell, int height) {
   return any != 0;
 }
 
-void add_instant_text(const CellBuffers& cell, const InstantWeights& weights, const float background[3],
-                      CellSums& sums, int height) {
+inline void add_instant_text(const CellBuffers& cell, const InstantWeights& weights,
+                             const float background[3], CellSums& sums, int height) {
   const Vector w = all(weights.weight), s = all(weights.alternating), one = all(1.0f);
   float* const quarter = weights.odd != 0.0f ? sums.odd : sums.even;
   const Vector q = all(weights.odd != 0.0f ? weights.odd : weights.even);

@@ -28,8 +28,8 @@ SWEPT_LANE Triple turned(const float* m, const Triple& v) {
 ///   G = QQᵀ + r²I,   |G| = |Q|² + r² tr(QQᵀ) + r⁴,   g = G⁻¹ Q a_z = (|Q| adj(Q)ᵀ a_z + r² Q a_z) / |G|,
 /// sums of positive terms where it matters. A ray (dx, dy) px from the centre's meets the plane at depth z/W,
 /// W = 1 − g·d, in w = d/W, and wᵀG⁻¹w = u² + v² with u = √(G_yy/|G|) (w_x − G_xy/G_yy w_y), v = w_y/√G_yy.
-void place_text(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet, int x,
-                int y, int width, int height, PlacedPacket& placed) {
+inline void place_text(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet,
+                       int x, int y, int width, int height, PlacedPacket& placed) {
   const Vector left = all(static_cast<float>(x)), right = all(static_cast<float>(x + width));
   const Vector top = all(static_cast<float>(y)), bottom = all(static_cast<float>(y + height));
   std::uint32_t seen = 0, general = 0;

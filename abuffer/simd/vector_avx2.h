@@ -11,7 +11,7 @@ namespace {
 
 #define SWEPT_LANE [[gnu::always_inline]] inline
 
-constexpr int vector_lanes = 8;
+inline constexpr int vector_lanes = 8;
 
 struct Vector {
   __m256 x;

@@ -11,7 +11,7 @@ namespace {
 
 #define SWEPT_LANE [[gnu::always_inline]] inline
 
-constexpr int vector_lanes = 16;
+inline constexpr int vector_lanes = 16;
 
 struct Vector {
   __m512 x;

@@ -7,7 +7,7 @@
 namespace swept {
 namespace {
 
-constexpr int vector_lanes = 1;
+inline constexpr int vector_lanes = 1;
 
 struct Vector {
   float x;

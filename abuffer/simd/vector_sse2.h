@@ -11,7 +11,7 @@ namespace {
 
 #define SWEPT_LANE [[gnu::always_inline]] inline
 
-constexpr int vector_lanes = 4;
+inline constexpr int vector_lanes = 4;
 
 struct Vector {
   __m128 x;
