@@ -61,7 +61,8 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
   const double near = double{place.near}, reach = radius * enlarges;
   const double low = center.z() - reach, high = center.z() + reach;
   if (high < near) return {0.0, -1.0, 0.0, -1.0, high};
-  if (!(low > near) || !center.allFinite()) return whole_plane(std::max(near, low));  // near where low is not a number
+  if (!(low > near) || !center.allFinite())
+    return whole_plane(std::max(near, low));  // near where low is not a number
   // In front of the near plane x/z is monotonic in x and in z. The filter widens a disc by its radius where
   // the disc's centre is, which perspective enlarges towards the eye.
   const double filter = double{place.filter_px} * high / low + 1.0;

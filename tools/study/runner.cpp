@@ -105,8 +105,7 @@ void Runner::report(const Task& task, const Cell& cell) {
   const bool known = renders_ <= planned_;
   const std::string place = known ? fmt::format("{}/{}", renders_, planned_) : std::to_string(renders_);
   const std::string left = known ? fmt::format(", about {} left", clock_text(seconds_left())) : "";
-  log("{}  {}: {}: {}  ({} gone{})\n", place, task.variant.id, name, what, clock_text(gone),
-             left);
+  log("{}  {}: {}: {}  ({} gone{})\n", place, task.variant.id, name, what, clock_text(gone), left);
 }
 
 /// One more repeat; the first one that is measured writes the image.
