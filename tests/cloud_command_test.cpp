@@ -17,7 +17,6 @@
 namespace swept {
 namespace {
 
-using test::content_of;
 using test::Outcome;
 using test::put;
 using test::run_command;
