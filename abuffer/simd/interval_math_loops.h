@@ -139,7 +139,7 @@ SWEPT_INLINE MemberSum sum_over_text(const Members& members, Ticks begin, Ticks 
 }
 
 /// Gauss's two points lie this much of a piece's half before and after its middle.
-constexpr float root_third = 0.577350269f;
+inline constexpr float root_third = 0.577350269f;
 
 SWEPT_INLINE void swings_over_text(const Members& members, Ticks begin, Ticks end, const float* mean,
                                    const Swings& out) {

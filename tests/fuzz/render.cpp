@@ -9,7 +9,7 @@
 namespace swept {
 namespace {
 
-using fuzz::Bytes, fuzz::any_scene, fuzz::check_pixels, fuzz::check_same, fuzz::reversed;
+using fuzz::any_scene, fuzz::check_pixels, fuzz::check_same, fuzz::reversed;
 
 Image render(const Scene& scene, int tile_px = 32, std::size_t tile_fragments = 1u << 20) {
   AbufferOptions options;
