@@ -42,20 +42,20 @@ void move(Object& object, const Eigen::Vector3d& middle, const Eigen::Vector3d& 
   object.transform.keys[1].translate = middle + half;
 }
 
-Scene sphere(std::size_t points, double motion_px) {
+/// A single object that moves in a straight line through the middle.
+Scene passing(Object object, const Eigen::Vector3d& direction, double motion_px) {
   Scene scene = stage();
-  Object object = object_of("sphere", points, {{"sectors", 24}, {"rings", 12}});
-  move(object, {0, 0, 0}, {1.0, 0.3, 0.0}, motion_px);
+  move(object, {0, 0, 0}, direction, motion_px);
   scene.objects.push_back(std::move(object));
   return scene;
 }
 
+Scene sphere(std::size_t points, double motion_px) {
+  return passing(object_of("sphere", points, {{"sectors", 24}, {"rings", 12}}), {1.0, 0.3, 0.0}, motion_px);
+}
+
 Scene knot(std::size_t points, double motion_px) {
-  Scene scene = stage();
-  Object object = object_of("knot", points, {});
-  move(object, {0, 0, 0}, {1.0, 0.5, 0.2}, motion_px);
-  scene.objects.push_back(std::move(object));
-  return scene;
+  return passing(object_of("knot", points, {}), {1.0, 0.5, 0.2}, motion_px);
 }
 
 /// Its rim moves by so much.
