@@ -30,9 +30,16 @@ struct Statistics {
   }
 };
 
+/// A number for every pixel of an image besides its colour, row by row as in Image.
+struct PixelLayer {
+  std::string name;  ///< as in a file: "error", "instants"
+  std::vector<float> values;
+};
+
 struct Rendered {
   Image image;
   Statistics statistics;
+  std::vector<PixelLayer> layers = {};  ///< those that were asked for
 };
 
 }  // namespace swept

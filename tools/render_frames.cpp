@@ -1,6 +1,8 @@
 #include "tools/render_frames.h"
 
+#include <algorithm>
 #include <deque>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -112,6 +114,15 @@ class FrameLoop {
   std::set<std::string> told_;
 };
 
+/// What the frames are expected to be off by, where their renderer says so.
+std::string expectation(const std::vector<FrameStatistics>& frames) {
+  double worst = std::numeric_limits<double>::infinity();
+  for (const FrameStatistics& frame : frames)
+    worst = std::min(worst, frame.statistics.counter("expected_psnr_db").value_or(worst));
+  if (!(worst < std::numeric_limits<double>::infinity())) return "";
+  return fmt::format(", {:.1f} dB expected{}", worst, frames.size() > 1 ? " of the worst" : "");
+}
+
 }  // namespace
 
 Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
@@ -137,7 +148,7 @@ Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, F
   }
   if (Status finished = loop.finish_all_but(0); !finished) return finished;
   renderer.on_progress({});
-  progress.finish();
+  progress.finish(expectation(frames));
   for (FrameStatistics& frame : frames) run.frames.push_back(std::move(frame));
   return Done{};
 }
