@@ -25,7 +25,7 @@ std::string extension_of(const std::string& path) {
 /// That of the name's extension; null: there is none.
 Reader reader_of(const std::string& path) {
   const std::string extension = extension_of(path);
-  return extension == ".ply" ? io::read_splat_ply : nullptr;
+  return extension == ".ply" ? io::read_splat_ply : extension == ".splat" ? io::read_splat : nullptr;
 }
 
 /// The header of a PLY file, if it ends within the first 64 KiB.
@@ -57,7 +57,7 @@ bool holds_splats(const std::string& path) {
 
 Result<LoadedSplats> read_splats(const std::string& path, const SplatReadOptions& options) {
   const Reader read = reader_of(path);
-  if (!read) return Error{path, "", "its extension is not .ply"};
+  if (!read) return Error{path, "", "its extension is none of .ply .splat"};
   return io::guarded(path, [&]() -> Result<LoadedSplats> {
     const Result<std::string> bytes = read_bytes(path);
     if (!bytes) return bytes.error();

@@ -1,6 +1,7 @@
 // Gaussian splats as training programs and their viewers store them.
 //
-// Formats, by extension: .ply (3D and 2D Gaussian splats as they are trained).
+// Formats, by extension: .ply (3D and 2D Gaussian splats as they are trained, and packed by PlayCanvas),
+// .splat.
 #pragma once
 
 #include <string>
