@@ -90,6 +90,11 @@ class GltfFile {
   mutable std::map<std::string, Bytes> files_;    ///< several buffers may be in one file
 };
 
+/// The axes that splats are trained in, right, down and forward, from those of glTF, left, up and forward.
+[[nodiscard]] inline Eigen::Matrix4d training_from_gltf() {
+  return Eigen::Vector4d(-1.0, -1.0, 1.0, 1.0).asDiagonal();
+}
+
 /// The scene's space from that of each node. Precondition: as GltfFile::nodes() returns them.
 [[nodiscard]] std::vector<Eigen::Matrix4d> scene_from_nodes(const std::vector<GltfNode>& nodes);
 

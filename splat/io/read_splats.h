@@ -22,4 +22,10 @@ namespace swept::io {
 [[nodiscard]] Result<LoadedSplats> read_splat(const std::string& path, std::string_view bytes,
                                               const SplatReadOptions& options);
 
+[[nodiscard]] Result<LoadedSplats> read_spz(const std::string& path, std::string_view bytes,
+                                            const SplatReadOptions& options);
+
+[[nodiscard]] Result<LoadedSplats> read_splat_gltf(const std::string& path, std::string_view bytes,
+                                                   const SplatReadOptions& options);
+
 }  // namespace swept::io

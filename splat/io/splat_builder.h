@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -63,5 +64,10 @@ class SplatBuilder {
   bool velocities_, skip_invalid_;
   SplatNames names_;
 };
+
+/// `error` of something within the file, which does not know its name and field.
+[[nodiscard]] inline Error named(Error error, const std::string& file, const std::string& field) {
+  return {file, field, std::move(error.reason)};
+}
 
 }  // namespace swept::io
