@@ -28,4 +28,7 @@ namespace swept::io {
 [[nodiscard]] Result<LoadedSplats> read_splat_gltf(const std::string& path, std::string_view bytes,
                                                    const SplatReadOptions& options);
 
+[[nodiscard]] Result<LoadedSplats> read_sog(const std::string& path, std::string_view bytes,
+                                            const SplatReadOptions& options);
+
 }  // namespace swept::io

@@ -1,6 +1,7 @@
 // The .spz format of Niantic: up to version 3 one gzip stream, since version 4 a stream of zstd per
 // attribute. Source: https://github.com/nianticlabs/spz, src/cc/load-spz.cc and README.md. Axes are right, up
 // and back, where training has right, down and forward.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -64,6 +65,8 @@ struct Header {
   [[nodiscard]] std::size_t coefficients() const {
     return static_cast<std::size_t>((degree + 1) * (degree + 1) - 1);
   }
+  /// Degree 4 is left out.
+  [[nodiscard]] int stored_degree() const { return std::min(degree, 3); }
   /// Of one splat in each stream.
   [[nodiscard]] std::array<std::size_t, streams> sizes() const {
     return {version == 1 ? 6u : 9u, 1, 3, 3, version < 3 ? 3u : 4u, 3 * coefficients()};
@@ -120,9 +123,8 @@ using Streams = std::array<std::string, streams>;
 Result<Streams> unpack_gzip(const std::string& path, const Header& header, std::size_t packed,
                             GzipStream& gzip) {
   Streams unpacked;
-  std::size_t all = 0;
-  for (const std::size_t size : header.sizes()) all += size * header.count;
-  if (const Status s = may_unpack(packed, all); !s) return named(s.error(), path, "numPoints");
+  if (const Status s = may_hold(packed, header.count, header.stored_degree()); !s)
+    return named(s.error(), path, "numPoints");
   for (std::size_t k = 0; k < streams; ++k) {
     Result<std::string> bytes = gzip.next(header.sizes()[k] * header.count);
     if (!bytes) return named(bytes.error(), path, stream_names[k]);
@@ -146,6 +148,8 @@ Result<Streams> unpack_zstd_streams(const std::string& path, Header& header, std
     const std::string_view records = bytes.substr(header_4_bytes, table - header_4_bytes);
     if (const Status s = read_extensions(path, records, header); !s) return s.error();
   }
+  if (const Status s = may_hold(bytes.size(), header.count, header.stored_degree()); !s)
+    return named(s.error(), path, "numPoints");
   std::size_t at = table + count * entry_bytes;
   Streams unpacked;
   for (std::size_t k = 0; k < count; ++k) {
@@ -160,7 +164,6 @@ Result<Streams> unpack_zstd_streams(const std::string& path, Header& header, std
       return Error{path, stream_names[k],
                    "promises " + std::to_string(packed_size) + " bytes, the file has " +
                        std::to_string(bytes.size() - at) + " left"};
-    if (const Status s = may_unpack(bytes.size(), wanted); !s) return named(s.error(), path, stream_names[k]);
     Result<std::string> stream = unpack_zstd(bytes.substr(at, packed_size), wanted);
     if (!stream) return named(stream.error(), path, stream_names[k]);
     unpacked[k] = *std::move(stream);
@@ -231,7 +234,7 @@ std::string name_of(SplatPart part, std::size_t) {
 
 Result<LoadedSplats> splats_of(const std::string& path, const Header& header, const Streams& in,
                                const SplatReadOptions& options) {
-  const int degree = std::min(header.degree, 3);
+  const int degree = header.stored_degree();
   SplatBuilder builder(path, header.count, degree, false, options, name_of);
   for (std::size_t i = 0; i < header.count; ++i)
     if (Status s = builder.add(splat_at(header, in, i, degree)); !s) return s.error();

@@ -14,11 +14,9 @@ namespace {
 
 using Reader = Result<LoadedSplats> (*)(const std::string&, std::string_view, const SplatReadOptions&);
 
-constexpr std::pair<std::string_view, Reader> readers[] = {{".ply", io::read_splat_ply},
-                                                           {".splat", io::read_splat},
-                                                           {".spz", io::read_spz},
-                                                           {".glb", io::read_splat_gltf},
-                                                           {".gltf", io::read_splat_gltf}};
+constexpr std::pair<std::string_view, Reader> readers[] = {
+    {".ply", io::read_splat_ply}, {".splat", io::read_splat},    {".spz", io::read_spz},
+    {".sog", io::read_sog},       {".glb", io::read_splat_gltf}, {".gltf", io::read_splat_gltf}};
 
 std::string extension_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();

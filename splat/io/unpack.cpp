@@ -23,14 +23,6 @@ std::string ends_before(std::size_t have, std::size_t size) {
 
 }  // namespace
 
-Status may_unpack(std::size_t packed, std::size_t unpacked) {
-  constexpr std::size_t always = std::size_t{64} << 20, likely = 16;
-  if (unpacked <= always || unpacked / likely <= packed) return Done{};
-  return Error{"", "",
-               "would unpack " + std::to_string(packed) + " bytes to " + std::to_string(unpacked) +
-                   ", more than " + std::to_string(likely) + " times as many"};
-}
-
 struct GzipStream::State {
   z_stream zlib{};
   std::string_view packed;

@@ -12,10 +12,6 @@
 
 namespace swept::io {
 
-/// Whether so many bytes may come out of so few: small ones may unpack to what they like, others to 16 times
-/// as many, of which measured splats are far. Errors, without file and field: they may not.
-[[nodiscard]] Status may_unpack(std::size_t packed, std::size_t unpacked);
-
 /// Bytes out of a gzip file, as they are asked for.
 class GzipStream {
  public:
