@@ -2,17 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <gtest/gtest.h>
 #include <webp/encode.h>
 #include <zlib.h>
 #include <zstd.h>
 
 namespace swept_test {
+
+/// Packing does not fail; ends the process if it does.
+inline void must(bool done) {
+  if (!done) std::abort();
+}
 
 /// Little-endian bytes of a number, as is this machine.
 template <class T>
@@ -27,13 +32,13 @@ inline std::string le64(std::size_t value) { return bytes_of(static_cast<std::ui
 
 inline std::string deflated(const std::string& bytes, int window_bits) {
   z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, window_bits, 9, Z_DEFAULT_STRATEGY), Z_OK);
+  must(deflateInit2(&stream, 9, Z_DEFLATED, window_bits, 9, Z_DEFAULT_STRATEGY) == Z_OK);
   std::string packed(deflateBound(&stream, bytes.size()) + 32, '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = reinterpret_cast<Bytef*>(packed.data());
   stream.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  must(deflate(&stream, Z_FINISH) == Z_STREAM_END);
   packed.resize(stream.total_out);
   deflateEnd(&stream);
   return packed;
@@ -44,7 +49,7 @@ inline std::string gzip(const std::string& bytes) { return deflated(bytes, 15 + 
 inline std::string zstd(const std::string& bytes) {
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 19);
-  EXPECT_FALSE(ZSTD_isError(size));
+  must(!ZSTD_isError(size));
   packed.resize(size);
   return packed;
 }
@@ -68,20 +73,20 @@ inline std::string zip(const std::vector<std::pair<std::string, std::string>>& f
 /// RGBA to WebP, to the bit unless lossy.
 inline std::string webp(int width, int height, const std::string& rgba, bool lossless = true) {
   WebPConfig config;
-  EXPECT_TRUE(WebPConfigInit(&config));
+  must(WebPConfigInit(&config));
   config.lossless = lossless ? 1 : 0;
   config.exact = 1;
   WebPPicture picture;
-  EXPECT_TRUE(WebPPictureInit(&picture));
+  must(WebPPictureInit(&picture));
   picture.width = width;
   picture.height = height;
   picture.use_argb = 1;
-  EXPECT_TRUE(WebPPictureImportRGBA(&picture, reinterpret_cast<const std::uint8_t*>(rgba.data()), 4 * width));
+  must(WebPPictureImportRGBA(&picture, reinterpret_cast<const std::uint8_t*>(rgba.data()), 4 * width));
   WebPMemoryWriter writer;
   WebPMemoryWriterInit(&writer);
   picture.writer = WebPMemoryWrite;
   picture.custom_ptr = &writer;
-  EXPECT_TRUE(WebPEncode(&config, &picture));
+  must(WebPEncode(&config, &picture));
   std::string bytes(reinterpret_cast<const char*>(writer.mem), writer.size);
   WebPMemoryWriterClear(&writer);
   WebPPictureFree(&picture);

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include "splat/io/read_splats.h"
 #include "tests/packed_bytes.h"
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <gtest/gtest.h>
+
 #include "splat/io/read_splats.h"
 #include "tests/packed_bytes.h"
 #include "tests/point_files.h"
