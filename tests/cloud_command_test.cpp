@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "splat/io/image_file.h"
 #include "tests/command.h"
@@ -207,6 +208,27 @@ TEST_F(CloudCommand, InfoSaysWhatIsAssumed) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   expect_said(outcome.out, {"points    600, 1 keys", "moves     points yes", "film      1920 x 1080 px",
                             "  assumed: framed by the points\n"});
+}
+
+TEST_F(CloudCommand, UpIsWhatIsAskedFor) {
+  put(folder_ / "cloud.ply", blender_ply());
+  Outcome outcome = swept({"info", "cloud.ply", "--up=-y", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto report = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(report["camera"]["right"][1].get<double>(), 0.0, 1e-12);
+  EXPECT_GT(report["camera"]["down"][1].get<double>(), 0.9) << "down is y";
+  EXPECT_GT(report["camera"]["forward"][2].get<double>(), 0.8);
+  expect_said(outcome.out, {"up 0 -1 0, as asked"});
+  ASSERT_EQ(swept({"init", "cloud.ply", "--up", "1,1,0"}).exit_code, 0);
+  EXPECT_NE(test::content_of(folder_ / "scene.json").find("\"up\""), std::string::npos);
+  // Of a scene it replaces that of the keys, and tells pictures apart.
+  outcome = swept({"info", "scene.json", "--up", "z", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto turned = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(turned["camera"]["right"][2].get<double>(), 0.0, 1e-12);
+  EXPECT_NE(turned["hash"], nlohmann::json::parse(swept({"info", "scene.json", "--json"}).out)["hash"]);
+  for (const char* up : {"w", "", "1,2", "0,0,0", "nan,0,0", "--x", "x,"})
+    EXPECT_EQ(swept({"info", "cloud.ply", std::string("--up=") + up}).exit_code, 2) << up;
 }
 
 TEST_F(CloudCommand, InitWritesTheSceneThatIsDrawn) {
