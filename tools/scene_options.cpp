@@ -151,9 +151,11 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
         ->group(of_image ? image_group : scene_group);
   }
   command
-      .add_option("--camera", overrides->camera_file,
-                  "Take the camera from transforms.json of nerfstudio or instant-ngp, its frames from 1 on")
-      ->type_name("FILE.json")
+      .add_option(
+          "--camera", overrides->camera_file,
+          "Take the camera from transforms.json or a camera path of nerfstudio or instant-ngp, or from "
+          "COLMAP's folder of cameras.txt and images.txt; its frames are those from 1 on")
+      ->type_name("FILE")
       ->group(scene_group);
   add_up_option(command, overrides->up,
                 "Which way is up, for points without a scene file and look-at cameras");

@@ -95,16 +95,6 @@ void replace_camera(const std::string& camera_file, nlohmann::json& document,
                     std::vector<std::string>& notes) {
   Result<io::CameraFile> file = io::read_camera_file(camera_file);
   if (!file) throw file.error();
-  try {
-    static_cast<void>(parse_camera(JsonNode(file->camera, camera_file), Film()));
-  } catch (const Error& error) {
-    // As the camera's own file has it: /keys/3/matrix is its /frames/3/transform_matrix.
-    std::string field = error.field;
-    if (field.starts_with("/keys")) field.replace(0, 5, "/frames");
-    if (const std::size_t at = field.find("/matrix"); at != std::string::npos)
-      field.replace(at, 7, "/transform_matrix");
-    throw Error{camera_file, field, error.reason};
-  }
   if (document.is_object()) {
     if (const auto old = document.find("camera");
         old != document.end() && old->is_object() && old->contains("near"))
