@@ -36,6 +36,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
+  std::string comments;  ///< their lines, without the word itself
   std::size_t body = 0;  ///< offset of the first byte after the header
 };
 
