@@ -22,6 +22,7 @@
 #include "abuffer/simd/sampled_math.h"
 #include "abuffer/sources/object_instant.h"
 #include "abuffer/sources/point_packets.h"
+#include "abuffer/splats/splat_frame.h"
 #include "abuffer/tiles/cells.h"
 #include "splat/stopwatch.h"
 
@@ -266,11 +267,15 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (Status status = options.validate(); !status) return status.error();
   if (Status status = control.validate(); !status) return status.error();
   if (Status status = scene.validate(); !status) return status.error();
+  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                     [](const Object& object) { return object.splats.size() > 0; });
   try {
     // An arena larger than the machine gains nothing, and makes oneTBB print a warning.
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute([&] { return Renderer(scene, options, control).render(); });
+    return arena.execute([&] {
+      return of_splats ? render_splats(scene, options, control) : Renderer(scene, options, control).render();
+    });
   } catch (const std::bad_alloc&) {
     return Error{"", "", "not enough memory to render the frame"};
   }
