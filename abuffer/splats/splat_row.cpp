@@ -84,6 +84,12 @@ void SplatRow::place(const Scene& scene, const std::vector<SplatPackets>& sets, 
   }
 }
 
+bool SplatRow::is_disc(std::size_t splat) const {
+  for (std::size_t i = 0; i < discs_.size(); i += 2)
+    if (splat >= discs_[i] && splat < discs_[i + 1]) return true;
+  return false;
+}
+
 void SplatRow::share_out(const CellGrid& grid, const std::vector<char>& wanted) {
   starts_.assign(grid.size() + 1, 0);
   for (const PlacedSplat& splat : splats_)
@@ -94,8 +100,7 @@ void SplatRow::share_out(const CellGrid& grid, const std::vector<char>& wanted) 
   entries_.resize(starts_.back());
   std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
   for (const std::uint32_t index : by_depth(splats_)) {
-    bool disc = false;
-    for (std::size_t i = 0; i < discs_.size(); i += 2) disc |= index >= discs_[i] && index < discs_[i + 1];
+    const bool disc = is_disc(index);
     CellRange(splats_[index]).for_each(grid.columns, [&](std::size_t cell) {
       if (wanted[cell]) entries_[next[cell]++] = disc ? index | disc_flag : index;
     });

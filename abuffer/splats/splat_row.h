@@ -42,6 +42,7 @@ class SplatRow {
 
   [[nodiscard]] const PlacedSplat* splats() const { return splats_.data(); }
   [[nodiscard]] std::size_t size() const { return splats_.size(); }
+  [[nodiscard]] bool is_disc(std::size_t splat) const;
   /// Of a cell, nearest first: indices into splats(), some with disc_flag.
   [[nodiscard]] std::span<const std::uint32_t> cell(std::size_t index) const {
     if (starts_.empty()) return {};

@@ -1,0 +1,29 @@
+// What a cell of N instants is off by, as its alternating sums show it.
+#pragma once
+
+#include "abuffer/splats/splat_cell.h"
+
+namespace swept {
+
+/// As ErrorEstimate, of N midpoints and after doublings. The alternating sums show the amplitude F of the
+/// signal's frequency N/2, those of every other instant F(N/4), and the error is √2 F(N).
+///
+/// A passing splat is a bell, and so is its spectrum: ln F falls with the square of the frequency, and from
+/// N/2 to N by four times what it fell by from N/4 to N/2. Edges of opaque splats fall as 1/N. Between the
+/// two, the fall from N/4 to N/2 is taken for `steeper` times its logarithm.
+class SplatEstimate {
+ public:
+  SplatEstimate(const SplatSquares& squares, int count);
+  /// After the instants were doubled to `count`, and the alternating sums with them.
+  void refine(const SplatSquares& squares, int count);
+
+  /// Expected, Σ over pixels and R, G, B.
+  [[nodiscard]] double squares() const { return squares_; }
+
+ private:
+  void extrapolate(double falls_by, int count);
+
+  double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0;
+};
+
+}  // namespace swept
