@@ -5,12 +5,9 @@
 
 namespace swept {
 
-/// As ErrorEstimate, of N midpoints and after doublings. The alternating sums show the amplitude F of the
-/// signal's frequency N/2, those of every other instant F(N/4), and the error is √2 F(N).
-///
-/// A passing splat is a bell, and so is its spectrum: ln F falls with the square of the frequency, and from
-/// N/2 to N by four times what it fell by from N/4 to N/2. Edges of opaque splats fall as 1/N. Between the
-/// two, the fall from N/4 to N/2 is taken for `steeper` times its logarithm.
+/// As ErrorEstimate, of N midpoints and after doublings: the alternating sums show the amplitude F of the
+/// signal's frequency N/2, those of every other instant F(N/4), and the error is √2 F(N). What fell from N/4
+/// to N/2 falls as much again to N.
 class SplatEstimate {
  public:
   SplatEstimate(const SplatSquares& squares, int count);
