@@ -129,6 +129,18 @@ bool PlyElement::has_lists() const {
   return std::any_of(properties.begin(), properties.end(), [](const PlyProperty& p) { return p.is_list; });
 }
 
+std::optional<std::size_t> PlyElement::find(std::string_view name_of_property) const {
+  for (std::size_t p = 0; p < properties.size(); ++p)
+    if (!properties[p].is_list && properties[p].name == name_of_property) return p;
+  return std::nullopt;
+}
+
+const PlyElement* PlyHeader::find(std::string_view name_of_element) const {
+  for (const PlyElement& element : elements)
+    if (element.name == name_of_element) return &element;
+  return nullptr;
+}
+
 Result<PlyHeader> parse_ply_header(const std::string& path, std::string_view bytes) {
   HeaderParser parser(path);
   std::size_t at = 0;

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "splat/io/attribute_names.h"
-#include "splat/io/ply_numbers.h"
+#include "splat/io/ply_rows.h"
 #include "splat/io/read_splats.h"
 #include "splat/io/splat_builder.h"
 
@@ -19,12 +19,6 @@ namespace {
 enum Slot : std::size_t { position = 0, scale = 3, rotation = 6, opacity = 10, dc = 11, rest = 14 };
 constexpr std::size_t most_rest = 45, velocity = rest + most_rest, color = velocity + 3, slots = color + 3,
                       unused = slots;
-
-const PlyElement* vertices_of(const PlyHeader& header) {
-  for (const PlyElement& element : header.elements)
-    if (element.name == "vertex") return &element;
-  return nullptr;
-}
 
 std::string numbered(const char* stem, std::size_t number) { return stem + std::to_string(number); }
 
@@ -139,7 +133,7 @@ class SplatPlyReader {
                  const SplatReadOptions& options)
       : path_(path),
         header_(header),
-        vertex_(*vertices_of(header)),
+        vertex_(*header.find("vertex")),
         options_(options),
         layout_(vertex_),
         numbers_(bytes.substr(header.body), header.format) {}
@@ -148,66 +142,24 @@ class SplatPlyReader {
     if (Status s = layout_.plan(path_, vertex_); !s) return s.error();
     std::optional<SplatBuilder> builder;
     for (const PlyElement& element : header_.elements) {
-      if (Status s = check_size(element); !s) return s.error();
+      if (Status s = check_ply_size(path_, element, numbers_); !s) return s.error();
       const bool is_vertex = &element == &vertex_;
       if (is_vertex)
         builder.emplace(path_, static_cast<std::size_t>(element.count), layout_.degree, layout_.has_velocity,
                         options_, [this](SplatPart part, std::size_t k) { return name_of(part, k); });
-      for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
-        if (Status s = read_row(element, row); !s) return s.error();
-        if (!is_vertex) continue;
-        if (Status s = builder->add(splat()); !s) return s.error();
-      }
+      const Status read = read_ply_rows(path_, element, numbers_, [&](std::span<const double> numbers) {
+        return is_vertex ? builder->add(splat(numbers)) : Status(Done{});
+      });
+      if (!read) return read.error();
     }
     report(builder->loaded);
     return builder->finish();
   }
 
  private:
-  Status check_size(const PlyElement& element) const {
-    std::uint64_t least = 0;
-    for (const PlyProperty& p : element.properties)
-      least += numbers_.least_bytes(p.is_list ? p.count_type : p.type);
-    if (numbers_.can_hold(element.count, least)) return Done{};
-    return Error{path_, element.name,
-                 "the header promises " + std::to_string(element.count) + " of at least " +
-                     std::to_string(least) + " bytes each, the file has " +
-                     std::to_string(numbers_.bytes_left()) + " bytes left"};
-  }
-
-  Status read_row(const PlyElement& element, std::uint64_t row) {
-    const bool one_line = !element.has_lists(), is_vertex = &element == &vertex_;
-    if (one_line) numbers_.begin_row();
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const PlyProperty& property = element.properties[p];
-      if (property.is_list) {
-        if (Status s = skip_list(element, property, row); !s) return s;
-        continue;
-      }
-      const std::optional<double> value = numbers_.next(property.type);
-      if (!value) return fail(element, property, row, numbers_.fault());
-      if (is_vertex && layout_.slot_of[p] != unused) row_[layout_.slot_of[p]] = *value;
-    }
-    if (one_line && !numbers_.end_row())
-      return fail(element, element.properties.back(), row, "the line goes on after it");
-    return Done{};
-  }
-
-  Status skip_list(const PlyElement& element, const PlyProperty& property, std::uint64_t row) {
-    const std::optional<double> length = numbers_.next(property.count_type);
-    if (!length) return fail(element, property, row, numbers_.fault());
-    if (!(*length >= 0.0 && *length == std::floor(*length) && *length < 0x1p53))
-      return fail(element, property, row, "the length of its list is not a whole number ≥ 0");
-    const auto count = static_cast<std::uint64_t>(*length);
-    if (!numbers_.can_hold(count, numbers_.least_bytes(property.type)))
-      return fail(element, property, row,
-                  "its list of " + std::to_string(count) + " entries runs past the end of the file");
-    for (std::uint64_t i = 0; i < count; ++i)
-      if (!numbers_.next(property.type)) return fail(element, property, row, numbers_.fault());
-    return Done{};
-  }
-
-  [[nodiscard]] SplatRow splat() const {
+  [[nodiscard]] SplatRow splat(std::span<const double> numbers) {
+    for (std::size_t p = 0; p < numbers.size(); ++p)
+      if (layout_.slot_of[p] != unused) row_[layout_.slot_of[p]] = numbers[p];
     SplatRow row;
     row.position = vector_at(position);
     for (Eigen::Index k = 0; k < (layout_.flat ? 2 : 3); ++k)
@@ -289,11 +241,6 @@ class SplatPlyReader {
       report.assumed.push_back("all splats are grey, for there are neither f_dc_0 to f_dc_2 nor colours");
   }
 
-  [[nodiscard]] Error fail(const PlyElement& element, const PlyProperty& property, std::uint64_t row,
-                           const std::string& reason) const {
-    return {path_, property.name, element.name + " " + std::to_string(row) + ": " + reason};
-  }
-
   const std::string& path_;
   const PlyHeader& header_;
   const PlyElement& vertex_;
@@ -306,22 +253,19 @@ class SplatPlyReader {
 }  // namespace
 
 bool declares_splats(const PlyHeader& header) {
-  const PlyElement* const vertex = vertices_of(header);
-  if (!vertex) return false;
-  const std::vector<PlyProperty>& has = vertex->properties;
-  const auto there = [&](const char* name) {
-    return std::any_of(has.begin(), has.end(),
-                       [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
-  };
+  const PlyElement* const vertex = header.find("vertex");
   const auto needed = {"scale_0", "scale_1", "rot_0", "rot_1", "rot_2", "rot_3"};
-  return std::all_of(needed.begin(), needed.end(), there);
+  return vertex && (vertex->find("packed_position") ||
+                    std::all_of(needed.begin(), needed.end(),
+                                [&](const char* name) { return vertex->find(name).has_value(); }));
 }
 
 Result<LoadedSplats> read_splat_ply(const std::string& path, std::string_view bytes,
                                     const SplatReadOptions& options) {
   const Result<PlyHeader> header = parse_ply_header(path, bytes);
   if (!header) return header.error();
-  if (!vertices_of(*header)) return Error{path, "vertex", "the file has no such element"};
+  if (!header->find("vertex")) return Error{path, "vertex", "the file has no such element"};
+  if (header->find("vertex")->find("packed_position")) return read_packed_ply(path, bytes, *header, options);
   if (!declares_splats(*header))
     return Error{path, "scale_0", "the file has no splats, with scale_0, scale_1 and rot_0 to rot_3"};
   return SplatPlyReader(path, bytes, *header, options).read();

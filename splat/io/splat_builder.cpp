@@ -22,6 +22,18 @@ bool fits(double value) { return std::abs(value) <= std::numeric_limits<float>::
 
 double opacity_of_logit(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 
+Status may_hold(std::size_t packed, std::size_t splats, int degree) {
+  constexpr std::size_t always = std::size_t{64} << 20, likely = 64;
+  const std::size_t each =
+      sizeof(Eigen::Vector3d) + sizeof(Eigen::Vector3f) + sizeof(Eigen::Quaternionf) +
+      sizeof(float) * (1 + 3 * static_cast<std::size_t>(SplatCloud::coefficients(degree)));
+  if (splats <= always / each || splats / likely <= packed / each) return Done{};
+  return Error{"", "",
+               "promises " + std::to_string(splats) + " splats, which take more than " +
+                   std::to_string(likely) + " times the " + std::to_string(packed) +
+                   " bytes that they are packed in"};
+}
+
 SplatBuilder::SplatBuilder(const std::string& path, std::size_t count, int degree, bool velocities,
                            const SplatReadOptions& options, SplatNames names)
     : path_(path),

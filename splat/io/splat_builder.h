@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -63,5 +64,15 @@ class SplatBuilder {
   bool velocities_, skip_invalid_;
   SplatNames names_;
 };
+
+/// Whether `packed` bytes may stand for so many splats. What is small when unpacked may be as small as it
+/// likes when packed; else a cloud takes 64 times as many bytes at most, where measured ones take 5 to 20.
+/// Errors, without file and field: they may not.
+[[nodiscard]] Status may_hold(std::size_t packed, std::size_t splats, int degree);
+
+/// `error` of something within the file, which does not know its name and field.
+[[nodiscard]] inline Error named(Error error, const std::string& file, const std::string& field) {
+  return {file, field, std::move(error.reason)};
+}
 
 }  // namespace swept::io

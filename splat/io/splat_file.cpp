@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 #include "splat/io/file_bytes.h"
 #include "splat/io/guarded.h"
@@ -12,6 +13,10 @@ namespace swept {
 namespace {
 
 using Reader = Result<LoadedSplats> (*)(const std::string&, std::string_view, const SplatReadOptions&);
+
+constexpr std::pair<std::string_view, Reader> readers[] = {
+    {".ply", io::read_splat_ply}, {".splat", io::read_splat},    {".spz", io::read_spz},
+    {".sog", io::read_sog},       {".glb", io::read_splat_gltf}, {".gltf", io::read_splat_gltf}};
 
 std::string extension_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -25,7 +30,9 @@ std::string extension_of(const std::string& path) {
 /// That of the name's extension; null: there is none.
 Reader reader_of(const std::string& path) {
   const std::string extension = extension_of(path);
-  return extension == ".ply" ? io::read_splat_ply : nullptr;
+  for (const auto& [name, reader] : readers)
+    if (name == extension) return reader;
+  return nullptr;
 }
 
 /// The header of a PLY file, if it ends within the first 64 KiB.
@@ -57,7 +64,11 @@ bool holds_splats(const std::string& path) {
 
 Result<LoadedSplats> read_splats(const std::string& path, const SplatReadOptions& options) {
   const Reader read = reader_of(path);
-  if (!read) return Error{path, "", "its extension is not .ply"};
+  if (!read) {
+    std::string known;
+    for (const auto& [name, reader] : readers) (known += ' ') += name;
+    return Error{path, "", "its extension is none of" + known};
+  }
   return io::guarded(path, [&]() -> Result<LoadedSplats> {
     const Result<std::string> bytes = read_bytes(path);
     if (!bytes) return bytes.error();

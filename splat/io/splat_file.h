@@ -1,6 +1,7 @@
 // Gaussian splats as training programs and their viewers store them.
 //
-// Formats, by extension: .ply (3D and 2D Gaussian splats as they are trained).
+// Formats, by extension: .ply (3D and 2D Gaussian splats as they are trained, and packed by PlayCanvas),
+// .splat.
 #pragma once
 
 #include <string>
@@ -12,8 +13,17 @@
 
 namespace swept {
 
+/// Which way y and z of a .spz file point. By the format right, up and back, where training has right, down
+/// and forward; but the files that people have do not agree.
+enum class SpzAxes {
+  automatic,      ///< as the file says; else right_up_back of versions 1 to 3, trained of version 4
+  trained,        ///< as they stand there
+  right_up_back,  ///< y and z change sign
+};
+
 struct SplatReadOptions {
   bool skip_invalid = false;  ///< drop splats with NaN or infinite numbers; else they are an error
+  SpzAxes spz_axes = SpzAxes::automatic;
 };
 
 struct LoadedSplats {
