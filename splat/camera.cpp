@@ -59,11 +59,16 @@ bool same_values(const TransformKey& a, const TransformKey& b) {
 
 bool same_values(const CameraKey& a, const CameraKey& b) {
   return a.eye == b.eye && same_rotation(a.world_from_camera, b.world_from_camera) &&
-         a.tan_half_fov_y == b.tan_half_fov_y;
+         a.tan_half_fov_y == b.tan_half_fov_y && a.lens == b.lens;
 }
 
 bool same_values(const LookAtKey& a, const LookAtKey& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.tan_half_fov_y == b.tan_half_fov_y;
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.roll_radians == b.roll_radians &&
+         a.tan_half_fov_y == b.tan_half_fov_y && a.lens == b.lens;
+}
+
+Lens interpolate(const Lens& a, const Lens& b, double t) {
+  return {a.stretch_x + t * (b.stretch_x - a.stretch_x), a.shift + t * (b.shift - a.shift)};
 }
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& axis, double radians) {
@@ -95,13 +100,14 @@ Eigen::Affine3d assemble(const Eigen::Vector3d& translate, const Eigen::Matrix3d
 }
 
 CameraInstant instant(const Eigen::Vector3d& eye, const Eigen::Matrix3d& camera_from_world,
-                      double tan_half_fov_y) {
+                      double tan_half_fov_y, const Lens& lens) {
   CameraInstant result;
   result.camera_from_world = Eigen::Affine3d::Identity();
   result.camera_from_world.linear() = camera_from_world.array() + 0.0;
   result.camera_from_world.translation() = (-(camera_from_world * eye)).array() + 0.0;
   result.eye = eye.array() + 0.0;
   result.tan_half_fov_y = tan_half_fov_y;
+  result.lens = lens;
   return result;
 }
 
@@ -112,11 +118,16 @@ Eigen::Vector3d direction(const Eigen::Vector3d& v) {
 }
 
 /// Rows are the camera's axes: right, down and forward.
-Eigen::Matrix3d look_at_basis(const Eigen::Vector3d& view, const Eigen::Vector3d& up) {
+Eigen::Matrix3d look_at_basis(const Eigen::Vector3d& view, const Eigen::Vector3d& up, double roll_radians) {
   const Eigen::Vector3d forward = direction(view);
   const Eigen::Vector3d right = direction(forward.cross(up));
   Eigen::Matrix3d basis;
   basis << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+  if (roll_radians == 0.0) return basis;
+  const double cosine = std::cos(roll_radians), sine = std::sin(roll_radians);
+  const Eigen::RowVector3d level = basis.row(0), down = basis.row(1);
+  basis.row(0) = cosine * level + sine * down;
+  basis.row(1) = cosine * down - sine * level;
   return basis;
 }
 
@@ -134,6 +145,13 @@ Status validate_common(const std::vector<Key>& keys, std::size_t i) {
   if (!key.eye.allFinite()) return bad(i, "/eye", "the eye is not finite");
   if (!(key.tan_half_fov_y > 0.0) || !std::isfinite(key.tan_half_fov_y))
     return bad(i, "/fov", "the field of view must be above 0 and below 180 degrees");
+  constexpr double most_stretch = 1e3, most_shift = 1e3;
+  if (!(key.lens.stretch_x >= 1.0 / most_stretch && key.lens.stretch_x <= most_stretch))
+    return bad(i, "/intrinsics/fx", "one focal length must be at most 1000 times the other");
+  for (int axis = 0; axis < 2; ++axis)
+    if (!(std::abs(key.lens.shift[axis]) <= most_shift))
+      return bad(i, axis == 0 ? "/intrinsics/cx" : "/intrinsics/cy",
+                 "the principal point must be within 1000 heights of the film's middle");
   return Done{};
 }
 
@@ -177,6 +195,9 @@ Status validate_look_ats(const std::vector<LookAtKey>& keys) {
     const LookAtKey& key = keys[i];
     if (!key.target.allFinite()) return bad(i, "/target", "the target is not finite");
     if (!key.up.allFinite()) return bad(i, "/up", "the up vector is not finite");
+    constexpr double most_roll = 1e6;
+    if (!(std::abs(key.roll_radians) <= most_roll))
+      return bad(i, "/roll", "the roll must be within a million radians");
     const Eigen::Vector3d view = key.target - key.eye;
     if (!view.allFinite()) return bad(i, "/target", "the target is too far from the eye for a double");
     if (view.isZero(0.0)) return bad(i, "/target", "the target is where the eye is");
@@ -225,17 +246,18 @@ CameraInstant CameraTrack::at(double frame) const {
             ? a->world_from_camera
             : a->world_from_camera.slerp(t, b->world_from_camera).normalized();
     return instant(interpolate(a->eye, b->eye, t), orientation.toRotationMatrix().transpose(),
-                   interpolate(a->tan_half_fov_y, b->tan_half_fov_y, t));
+                   interpolate(a->tan_half_fov_y, b->tan_half_fov_y, t), interpolate(a->lens, b->lens, t));
   }
   if (look_ats.empty()) {
     const LookAtKey key;
-    return instant(key.eye, look_at_basis(key.target - key.eye, key.up), key.tan_half_fov_y);
+    return instant(key.eye, look_at_basis(key.target - key.eye, key.up, 0.0), key.tan_half_fov_y, key.lens);
   }
   const auto [a, b, t] = bracket(look_ats, frame);
   const Eigen::Vector3d eye = interpolate(a->eye, b->eye, t);
   const Eigen::Vector3d target = interpolate(a->target, b->target, t);
-  return instant(eye, look_at_basis(target - eye, interpolate(a->up, b->up, t)),
-                 interpolate(a->tan_half_fov_y, b->tan_half_fov_y, t));
+  const double roll = interpolate(a->roll_radians, b->roll_radians, t);
+  return instant(eye, look_at_basis(target - eye, interpolate(a->up, b->up, t), roll),
+                 interpolate(a->tan_half_fov_y, b->tan_half_fov_y, t), interpolate(a->lens, b->lens, t));
 }
 
 bool CameraTrack::constant_over(double first, double last) const {
@@ -252,8 +274,23 @@ Status CameraTrack::validate() const {
   return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
 }
 
-Projection projection_of(const Film& film, double tan_half_fov_y) {
-  return {0.5 * film.height / tan_half_fov_y, 0.5 * film.width, 0.5 * film.height};
+Projection projection_of(const Film& film, double tan_half_fov_y, const Lens& lens) {
+  return {0.5 * film.height / tan_half_fov_y, 0.5 * film.width + film.height * lens.shift.x(),
+          0.5 * film.height + film.height * lens.shift.y()};
+}
+
+Eigen::Matrix3d lens_matrix(const CameraInstant& camera, const CameraInstant& reference) {
+  const double zoom = reference.tan_half_fov_y / camera.tan_half_fov_y;
+  // A film's height is 2 tan_half_fov_y at depth 1.
+  const Eigen::Vector2d shear = 2.0 * reference.tan_half_fov_y * (camera.lens.shift - reference.lens.shift);
+  Eigen::Matrix3d matrix;
+  matrix << zoom * camera.lens.stretch_x, 0.0, shear.x(), 0.0, zoom, shear.y(), 0.0, 0.0, 1.0;
+  return matrix;
+}
+
+double largest_tangent(const Film& film, const Projection& projection, int axis) {
+  const double center = axis == 0 ? projection.center_x : projection.center_y;
+  return std::max(center, (axis == 0 ? film.width : film.height) - center) / projection.focal_px;
 }
 
 }  // namespace swept

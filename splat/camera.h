@@ -36,21 +36,38 @@ struct TransformTrack {
   [[nodiscard]] bool constant_over(double first, double last) const;
 };
 
-/// One key of the camera: a pose and the two focal lengths as tangents, so that it does not depend
-/// on the film's pixel count.
+/// What a lens has besides its field of view. Nothing here depends on the film's pixel count.
+struct Lens {
+  double stretch_x =
+      1.0;  ///< focal length in px along x to that along y, 1e-3 to 1e3; not 1: pixels are not square
+  /// Principal point, where the view direction meets the film, from the film's middle: x right, y down, in
+  /// heights of the film, −1000 to 1000.
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+
+  friend bool operator==(const Lens& a, const Lens& b) {
+    return a.stretch_x == b.stretch_x && a.shift == b.shift;
+  }
+};
+
+/// One key of the camera: a pose and a lens. The focal length is a tangent, so that it does not depend on
+/// the film's pixel count.
 struct CameraKey {
   double frame = 0.0;
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world space
   Eigen::Quaterniond world_from_camera{1.0, 0.0, 0.0, 0.0};  ///< unit; camera axes as above
-  double tan_half_fov_y = 0.5;                               ///< tangent of half the vertical field of view
+  double tan_half_fov_y = 0.5;  ///< half the film's height to the focal length along y
+  Lens lens;
 };
 
 /// How keys are joined: `pose` interpolates eye and orientation (slerp); `look_at` interpolates eye,
-/// target and up and builds the basis at each instant, so that a target stays in the middle.
+/// target, up and roll and builds the basis at each instant, so that a target stays on the principal point.
 struct LookAtKey {
   double frame = 0.0;
   Eigen::Vector3d eye{0.0, 0.0, 5.0}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
   double tan_half_fov_y = 0.5;
+  double roll_radians =
+      0.0;  ///< clockwise about the view direction, as seen along it; the picture turns against it
+  Lens lens;
 };
 
 /// The camera at one instant.
@@ -61,6 +78,7 @@ struct CameraInstant {
   Eigen::Affine3d camera_from_world;              ///< rigid; translation() == -linear() * eye
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< world space
   double tan_half_fov_y = 0.5;
+  Lens lens;
 };
 
 /// Exactly one of the two lists is non-empty, at strictly increasing frames; held outside.
@@ -86,9 +104,24 @@ struct Film {
 
 /// Pixel coordinates from camera-space directions: x_px = center_x + focal_px · x/z, and the same in
 /// y. Pixel (i, j) covers [i, i+1) × [j, j+1) of the whole film; its centre is at i + ½, j + ½.
+///
+/// There is one focal length. Where a lens has two, camera space is stretched along x before it is
+/// projected, by Lens::stretch_x: a plane stays a plane, and a disc an elliptical one.
 struct Projection {
   double focal_px = 1.0, center_x = 0.0, center_y = 0.0;
 };
-[[nodiscard]] Projection projection_of(const Film& film, double tan_half_fov_y);
+[[nodiscard]] Projection projection_of(const Film& film, double tan_half_fov_y, const Lens& lens = {});
+[[nodiscard]] inline Projection projection_of(const Film& film, const CameraInstant& camera) {
+  return projection_of(film, camera.tan_half_fov_y, camera.lens);
+}
+
+/// Camera space of `camera`, distorted so that the projection of `reference` shows what `camera` sees:
+/// depths stay, x and y are scaled and sheared along the depth. The identity if the two lenses are one and
+/// have one focal length.
+[[nodiscard]] Eigen::Matrix3d lens_matrix(const CameraInstant& camera, const CameraInstant& reference);
+
+/// The largest |x/z| (axis 0) or |y/z| (axis 1) on the film, or, if the principal point is beside the film,
+/// between both.
+[[nodiscard]] double largest_tangent(const Film& film, const Projection& projection, int axis);
 
 }  // namespace swept

@@ -88,6 +88,53 @@ TEST(ExrCamera, ReprojectsKnownPoints) {
   }
 }
 
+/// A camera of measured intrinsics, on a film of its picture's size and on a smaller, wider one.
+TEST(ExrCamera, ReprojectsThroughALensOffTheMiddle) {
+  const TemporaryFolder folder;
+  put(folder / "p.xyz", "0.3 -0.8 1\n");
+  put(folder / "scene.json", R"({"swept": 1, "camera": {
+    "intrinsics": {"width": 640, "height": 480, "fx": 500, "fy": 800, "cx": 300, "cy": 270.5},
+    "keys": [{"eye": [0, 0, 6], "target": [0, 0, 0]}]}, "shutter": {"open": 0, "close": 0},
+    "objects": [{"source": {"file": "p.xyz"}, "radius": 0.004}]})");
+  // x right, y down: the eye looks along −z from z = 6, 5 from the point.
+  for (const auto& [width, height, x, y] :
+       {std::tuple{640, 480, 300.0 + 500.0 * 0.3 / 5.0, 270.5 + 800.0 * 0.8 / 5.0},
+        {320, 120, 160.0 + (-20.0 + 500.0 * 0.3 / 5.0) / 4.0, 60.0 + (30.5 + 800.0 * 0.8 / 5.0) / 4.0}}) {
+    const std::string image_path = folder / "a.exr";
+    const test::Outcome outcome = test::run_command(
+        std::string(SWEPT_COMMAND) + " render '" + folder / "scene.json" + "' -o '" + image_path +
+        "' --overwrite --size " + std::to_string(width) + 'x' + std::to_string(height));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Imf::InputFile file(image_path.c_str(), 0);
+    const Imf::Header& header = file.header();
+    const Imath::V3f world(0.3f, -0.8f, 1.0f);
+    const Imath::V3f ndc = world * Imf::worldToNDC(header), eye = world * Imf::worldToCamera(header);
+    EXPECT_NEAR(static_cast<double>(ndc.x) * width, x, 0.001);
+    EXPECT_NEAR(static_cast<double>(ndc.y) * height, y, 0.001);
+    // The same from the window on the plane at depth 1, whose height follows from the shape of pixels.
+    EXPECT_FLOAT_EQ(header.pixelAspectRatio(), 800.0f / 500.0f);
+    const float window = header.screenWindowWidth();
+    const auto film_x = static_cast<float>(width), film_y = static_cast<float>(height);
+    const float window_y = window / header.pixelAspectRatio() * film_y / film_x;
+    const Imath::V2f center = header.screenWindowCenter();
+    EXPECT_NEAR(static_cast<double>((eye.x / eye.z - center.x) / window + 0.5f) * width, x, 0.001);
+    EXPECT_NEAR(static_cast<double>(0.5f - (eye.y / eye.z - center.y) / window_y) * height, y, 0.001);
+    const Result<Image> image = read_exr(image_path);
+    ASSERT_TRUE(image.ok());
+    double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) {
+        const double alpha = image->rgba[4 * static_cast<std::size_t>(row * width + column) + 3];
+        sum += alpha;
+        sum_x += alpha * (column + 0.5);
+        sum_y += alpha * (row + 0.5);
+      }
+    ASSERT_GT(sum, 0.0);
+    EXPECT_NEAR(sum_x / sum, x, 0.15);
+    EXPECT_NEAR(sum_y / sum, y, 0.15);
+  }
+}
+
 TEST(ExrCamera, HasTheStandardsAxes) {
   const TemporaryFolder folder;
   Image image{0, 0, 40, 20, 40, 20, std::vector<float>(4 * 800), {}};
@@ -105,9 +152,13 @@ TEST(ExrCamera, HasTheStandardsAxes) {
   EXPECT_EQ(Imath::V3f(1 - 2, 2 + 1, 6) * to_ndc, Imath::V3f(0, 0, 0.75)) << "upper left";
   EXPECT_EQ(Imath::V3f(1 + 2, 2 - 1, 6) * to_ndc, Imath::V3f(1, 1, 0.75)) << "lower right";
   EXPECT_EQ(file.header().screenWindowWidth(), 2.0f);
+  EXPECT_EQ(file.header().pixelAspectRatio(), 1.0f);
 
   metadata.tan_half_fov_y = -1.0;
   EXPECT_EQ(write_exr(folder / "a.exr", image, metadata).error().field, "tan_half_fov_y");
+  metadata.tan_half_fov_y = 0.5;
+  metadata.lens.stretch_x = 0.0;
+  EXPECT_EQ(write_exr(folder / "a.exr", image, metadata).error().field, "lens");
 }
 
 }  // namespace

@@ -97,6 +97,36 @@ TEST_F(SceneFiles, FieldOfViewFollowsItsAxis) {
   }
 }
 
+/// Of a picture of 640 × 480; another film shows the same height of it.
+TEST_F(SceneFiles, IntrinsicsAreThoseOfAPictureOfTheirSize) {
+  const std::string fov = R"("fov": {"axis": "vertical", "degrees": 40})";
+  const auto lens = [&](const std::string& intrinsics) {
+    return replaced(base_scene, fov, "\"intrinsics\": {\"width\": 640, \"height\": 480, " + intrinsics + "}");
+  };
+  const Scene scene = read(lens(R"("fx": 600, "fy": 480, "cx": 300, "cy": 288)")).scene();
+  for (const LookAtKey& key : scene.camera.look_ats) {
+    EXPECT_DOUBLE_EQ(key.tan_half_fov_y, 0.5);
+    EXPECT_DOUBLE_EQ(key.lens.stretch_x, 1.25);
+    EXPECT_DOUBLE_EQ(key.lens.shift.x(), -20.0 / 480.0);
+    EXPECT_DOUBLE_EQ(key.lens.shift.y(), 48.0 / 480.0);
+  }
+  const Scene plain = read(lens(R"("fx": 480)")).scene();
+  EXPECT_DOUBLE_EQ(plain.camera.look_ats[0].tan_half_fov_y, 0.5);
+  EXPECT_EQ(plain.camera.look_ats[0].lens, Lens());
+  // A key's own comes before the camera's, and may be a field of view.
+  const std::string key = R"("target": [0, 0, 0], "up": [0, 1, 0])";
+  const Scene zoom = read(replaced(lens(R"("fx": 600, "fy": 480)"), key, key + ", " + fov)).scene();
+  EXPECT_EQ(zoom.camera.look_ats[0].lens, Lens());
+  EXPECT_DOUBLE_EQ(zoom.camera.look_ats[1].lens.stretch_x, 1.25);
+}
+
+TEST_F(SceneFiles, RollIsInDegrees) {
+  const std::string key = R"("target": [0, 0, 0], "up": [0, 1, 0])";
+  const Scene scene = read(replaced(base_scene, key, key + R"(, "roll": -180)")).scene();
+  EXPECT_DOUBLE_EQ(scene.camera.look_ats[0].roll_radians, -std::numbers::pi);
+  EXPECT_EQ(scene.camera.look_ats[1].roll_radians, 0.0);
+}
+
 TEST_F(SceneFiles, MatrixIsCameraToWorldInOpenGlAxesUnlessSaidOtherwise) {
   // Both say: eye at (1, 2, 8), looking along −z, y up.
   const SceneFile opengl = read(matrix_scene("[1,0,0,1, 0,1,0,2, 0,0,1,8, 0,0,0,1]"));

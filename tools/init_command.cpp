@@ -14,6 +14,7 @@
 #include "splat/io/point_file.h"
 #include "tools/console.h"
 #include "tools/outputs.h"
+#include "tools/scene_options.h"
 
 namespace swept {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 struct InitArguments {
   std::string points, output = "scene.json";
   bool overwrite = false;
+  SceneOverrides overrides;  ///< up alone
 };
 
 int fail(const Error& error) {
@@ -37,7 +39,8 @@ int init(const InitArguments& arguments) {
   const Existing existing = arguments.overwrite ? Existing::overwrite : Existing::refuse;
   if (const Status status = check_output_file(arguments.output, existing); !status)
     return fail(status.error());
-  const Result<CloudScene> scene = scene_of_points(arguments.points, output.parent_path().string());
+  const Result<CloudScene> scene =
+      scene_of_points(arguments.points, output.parent_path().string(), arguments.overrides);
   if (!scene) return fail(scene.error());
   // What is written must be readable.
   if (const auto read = scene_from_text(scene->text, arguments.output); !read) return fail(read.error());
@@ -60,6 +63,7 @@ void add_init_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", arguments->output, "The scene file")
       ->type_name("FILE.json")
       ->capture_default_str();
+  add_up_option(*command, arguments->overrides.up, "Which way is up; else what the file lets guess");
   command->add_flag("--overwrite", arguments->overwrite, "Replace a scene file that exists");
   command->callback([arguments, &exit_code] { exit_code = init(*arguments); });
 }

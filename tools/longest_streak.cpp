@@ -23,15 +23,16 @@ class Projector {
         near_(scene.camera.near),
         camera_(scene.camera.at(frame)),
         world_(object.transform.at(frame)),
-        focal_px_(0.5 * film_.height / camera_.tan_half_fov_y) {}
+        projection_(projection_of(film_, camera_)),
+        lens_(lens_matrix(camera_, camera_)) {}
 
   /// None before the near plane.
   [[nodiscard]] std::optional<Place> place(const SurfelCloud& cloud, std::size_t i) const {
     const Eigen::Vector3d world = world_ * surfel_at(cloud, i, frame_).position;
-    const Eigen::Vector3d p = camera_.camera_from_world.linear() * (world - camera_.eye);
+    const Eigen::Vector3d p = lens_ * (camera_.camera_from_world.linear() * (world - camera_.eye));
     if (!(p.z() >= near_)) return std::nullopt;
-    Place place{
-        {0.5 * film_.width + focal_px_ * p.x() / p.z(), 0.5 * film_.height + focal_px_ * p.y() / p.z()}};
+    Place place{{projection_.center_x + projection_.focal_px * p.x() / p.z(),
+                 projection_.center_y + projection_.focal_px * p.y() / p.z()}};
     const double x = place.pixel.x() - film_.crop_x, y = place.pixel.y() - film_.crop_y;
     place.in_window = x >= 0.0 && y >= 0.0 && x < film_.window_width() && y < film_.window_height();
     return place;
@@ -42,7 +43,8 @@ class Projector {
   double frame_, near_;
   CameraInstant camera_;
   Eigen::Affine3d world_;
-  double focal_px_;
+  Projection projection_;
+  Eigen::Matrix3d lens_;
 };
 
 }  // namespace

@@ -27,6 +27,7 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, con
   const CameraInstant camera = scene.camera.at(middle);
   metadata.world_to_camera = camera.camera_from_world.matrix();
   metadata.tan_half_fov_y = camera.tan_half_fov_y;
+  metadata.lens = camera.lens;
   metadata.near = scene.camera.near;
   metadata.scene_hash = scene_hash;
   metadata.method = run.picture;

@@ -23,6 +23,21 @@ namespace {
 constexpr const char* scene_group = "Scene, by default as the file says";
 constexpr const char* image_group = "Image model, by default as the file says";
 
+/// The numbers that `text` is; none if it is anything else.
+std::vector<double> numbers_in(std::string_view text, char separator) {
+  std::vector<double> numbers;
+  for (bool more = true; more;) {
+    double value = 0.0;
+    const auto [rest, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (code != std::errc()) return {};
+    text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+    numbers.push_back(value);
+    more = !text.empty() && text.front() == separator;
+    if (more) text.remove_prefix(1);
+  }
+  return text.empty() ? numbers : std::vector<double>();
+}
+
 /// An option, and the fields that it sets from left to right.
 struct FieldOption {
   std::string name;
@@ -57,21 +72,6 @@ struct FieldOption {
 
   [[noreturn]] void fail(const std::string& reason) const { throw CLI::ValidationError(name, reason); }
 
-  /// Exactly as many numbers as the fields have, or fewer where the last may be left out.
-  [[nodiscard]] std::vector<double> numbers_of(std::string_view text) const {
-    std::vector<double> numbers;
-    for (bool more = true; more;) {
-      double value = 0.0;
-      const auto [rest, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (code != std::errc()) return {};
-      text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
-      numbers.push_back(value);
-      more = !text.empty() && text.front() == separator;
-      if (more) text.remove_prefix(1);
-    }
-    return text.empty() ? numbers : std::vector<double>();
-  }
-
   void set(const std::string& text, FieldValues& values) const {
     if (const Field& field = *fields.front(); !field.words.empty()) {
       const auto word = std::find(field.words.begin(), field.words.end(), text);
@@ -79,7 +79,7 @@ struct FieldOption {
       values[std::string(field.pointer)] = {static_cast<double>(word - field.words.begin())};
       return;
     }
-    const std::vector<double> numbers = numbers_of(text);
+    const std::vector<double> numbers = numbers_in(text, separator);
     std::size_t least = 0, most = 0;
     for (const Field* field : fields) {
       least += std::min(field->least, field->numbers.size());
@@ -118,6 +118,26 @@ std::string check_points_scale(const std::string& text) {
 
 }  // namespace
 
+void add_up_option(CLI::App& command, std::optional<Eigen::Vector3d>& up, const char* help) {
+  const auto parse = [&up](const std::string& text) {
+    std::string_view name = text;
+    const bool minus = name.starts_with('-');
+    if (minus) name.remove_prefix(1);
+    if (const std::size_t axis = std::string_view("xyz").find(name); name.size() == 1 && axis < 3) {
+      up = (minus ? -1.0 : 1.0) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(axis));
+      return;
+    }
+    const std::vector<double> numbers = numbers_in(text, ',');
+    if (numbers.size() != 3)
+      throw CLI::ValidationError("--up", "expected x, y, z, -x, -y, -z or X,Y,Z, found " + text);
+    const Eigen::Vector3d vector(numbers[0], numbers[1], numbers[2]);
+    if (!vector.allFinite() || vector.isZero(0.0))
+      throw CLI::ValidationError("--up", "must be finite and not zero: " + text);
+    up = vector;
+  };
+  command.add_option_function<std::string>("--up", parse, help)->type_name("AXIS|X,Y,Z");
+}
+
 std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
   auto overrides = std::make_shared<SceneOverrides>();
   for (const FieldOption& option : field_options()) {
@@ -132,10 +152,15 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
         ->group(of_image ? image_group : scene_group);
   }
   command
-      .add_option("--camera", overrides->camera_file,
-                  "Take the camera from transforms.json of nerfstudio or instant-ngp, its frames from 1 on")
-      ->type_name("FILE.json")
+      .add_option(
+          "--camera", overrides->camera_file,
+          "Take the camera from transforms.json or a camera path of nerfstudio or instant-ngp, or from "
+          "COLMAP's folder of cameras.txt and images.txt; its frames are those from 1 on")
+      ->type_name("FILE")
       ->group(scene_group);
+  add_up_option(command, overrides->up,
+                "Which way is up, for points without a scene file and look-at cameras");
+  command.get_option("--up")->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)
       ->group(scene_group);

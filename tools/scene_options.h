@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <CLI/App.hpp>
+#include <Eigen/Core>
 
 #include "splat/io/scene_file.h"
 
@@ -12,6 +14,9 @@ namespace swept {
 /// Adds --points-scale and the options of the table of splat/fields.h to `command`; values out of range are
 /// parse errors.
 [[nodiscard]] std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command);
+
+/// --up: one of the six axes, or three numbers.
+void add_up_option(CLI::App& command, std::optional<Eigen::Vector3d>& up, const char* help);
 
 /// Prints `error` to stderr and returns the exit code that it stands for: 2 if it is about what the command
 /// line said, else 1.

@@ -77,14 +77,21 @@ CameraReport report_camera(const Scene& scene) {
   const CameraInstant camera = scene.camera.at(open + 0.5 * (close - open));
   const Eigen::Matrix3d axes = camera.camera_from_world.linear();
   constexpr double degrees = 180.0 / std::numbers::pi;
-  const double tan_x = camera.tan_half_fov_y * scene.film.width / scene.film.height;
+  const Projection projection = projection_of(scene.film, camera);
+  const Eigen::Vector2d focal(projection.focal_px * camera.lens.stretch_x, projection.focal_px);
+  const Eigen::Vector2d center(projection.center_x, projection.center_y);
+  const auto fov = [&](int axis, double size) {
+    return (std::atan((size - center[axis]) / focal[axis]) + std::atan(center[axis] / focal[axis])) * degrees;
+  };
   return {camera.eye,
           axes.row(0),
           axes.row(1),
           axes.row(2),
-          2.0 * std::atan(tan_x) * degrees,
-          2.0 * std::atan(camera.tan_half_fov_y) * degrees,
+          fov(0, scene.film.width),
+          fov(1, scene.film.height),
           scene.camera.near,
+          focal,
+          center,
           !scene.camera.constant_over(open, close)};
 }
 

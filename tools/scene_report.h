@@ -29,7 +29,8 @@ struct ObjectReport {
 struct CameraReport {
   Eigen::Vector3d eye, right, down, forward;                    ///< world space, mid-shutter
   double fov_x_degrees = 0.0, fov_y_degrees = 0.0, near = 0.0;  ///< near in world units
-  bool moves = false;                                           ///< during the exposure
+  Eigen::Vector2d focal_px, center_px;  ///< along x and y; the principal point, from the film's upper left
+  bool moves = false;                   ///< during the exposure
 };
 
 struct SceneReport {

@@ -79,8 +79,8 @@ struct View {
   double focal_x, focal_y, center_x, center_y;  ///< px
 
   View(const Scene& scene, double frame) : camera(scene.camera.at(frame)) {
-    const Projection p = projection_of(scene.film, camera.tan_half_fov_y);
-    focal_x = p.focal_px, focal_y = p.focal_px;
+    const Projection p = projection_of(scene.film, camera);
+    focal_x = p.focal_px * camera.lens.stretch_x, focal_y = p.focal_px;
     center_x = p.center_x, center_y = p.center_y;
   }
 };

@@ -29,7 +29,7 @@ void pixel_range(double low, double high, int& begin, int& end) {
 
 ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, double frame)
     : instant(instant_at(scene, *packets.object, {frame, frame}, 0.0)),
-      projection(projection_of(scene.film, scene.camera.at(frame).tan_half_fov_y)) {
+      projection(projection_of(scene.film, scene.camera.at(frame))) {
   const Eigen::Matrix3d linear = instant.camera_from_world * instant.world_from_object.linear();
   for (int i = 0; i < 9; ++i) place.linear[i] = static_cast<float>(linear(i / 3, i % 3));
   place.mirrored = linear.determinant() < 0.0 ? -1.0f : 1.0f;
@@ -37,8 +37,8 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
   place.focal_px = static_cast<float>(projection.focal_px);
   place.near = static_cast<float>(scene.camera.near);
   place.filter_px = static_cast<float>(scene.model.filter_radius_px);
-  place.max_tangent_x = static_cast<float>(guard_band * 0.5 * scene.film.width / projection.focal_px);
-  place.max_tangent_y = static_cast<float>(guard_band * 0.5 * scene.film.height / projection.focal_px);
+  place.max_tangent_x = static_cast<float>(guard_band * largest_tangent(scene.film, projection, 0));
+  place.max_tangent_y = static_cast<float>(guard_band * largest_tangent(scene.film, projection, 1));
   place.depth_tolerance = static_cast<float>(scene.model.depth_tolerance);
   place.film_width = scene.film.width;
   place.film_height = scene.film.height;
@@ -93,8 +93,8 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
   const Eigen::Vector3d axis_v = at.instant.to_camera_direction(surfel.axis_v);
   const Projection& projection = at.projection;
   const PixelFilter filter{scene.model.filter_radius_px / projection.focal_px,
-                           guard_band * 0.5 * scene.film.width / projection.focal_px,
-                           guard_band * 0.5 * scene.film.height / projection.focal_px, scene.camera.near};
+                           guard_band * largest_tangent(scene.film, projection, 0),
+                           guard_band * largest_tangent(scene.film, projection, 1), scene.camera.near};
   MovingKernel kernel;
   kernel.center = at.instant.to_camera(surfel.position);
   kernel.velocity.setZero();

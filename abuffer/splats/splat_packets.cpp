@@ -177,10 +177,10 @@ std::vector<SplatPackets> pack_splats(const Scene& scene, const Exposure& exposu
 SplatPose::SplatPose(const Scene& scene, const SplatPackets& packets, double frame)
     : world_from_object_(packets.object->transform.at(frame)) {
   const CameraInstant camera = scene.camera.at(frame);
-  const Projection projection = projection_of(scene.film, camera.tan_half_fov_y);
+  const Projection projection = projection_of(scene.film, camera);
   camera_from_world_ = camera.camera_from_world.linear();
   eye_ = camera.eye;
-  focal_x_ = projection.focal_px, focal_y_ = projection.focal_px;
+  focal_x_ = projection.focal_px * camera.lens.stretch_x, focal_y_ = projection.focal_px;
   center_x_ = projection.center_x, center_y_ = projection.center_y;
   const Eigen::Matrix3d linear = camera_from_world_ * world_from_object_.linear();
   // Colours turn with the object, and are mirrored with it; they are not stretched.

@@ -29,7 +29,10 @@ double turning(const Scene& scene, const Object& object, const Exposure& exposur
   const double of_poses = over(scene.camera.poses, [](const CameraKey& a, const CameraKey& b) {
     return a.world_from_camera.angularDistance(b.world_from_camera);
   });
-  return of_object + of_poses;
+  const double of_looks = over(scene.camera.look_ats, [](const LookAtKey& a, const LookAtKey& b) {
+    return std::abs(b.roll_radians - a.roll_radians);
+  });
+  return of_object + of_poses + of_looks;
 }
 
 /// A camera that looks at something passing by turns fast where it is near: [first, last] is halved until it

@@ -128,7 +128,21 @@ struct Convention {
   std::string why;  ///< "y up, …"
 };
 
-Convention convention_of(const std::string& file, const Sample& sample) {
+/// Seen level with a wanted up, from where its nearest axis is seen from.
+io::Front front_of(const Eigen::Vector3d& wanted) {
+  const Eigen::Vector3d up = wanted.stableNormalized();
+  Eigen::Index axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  Eigen::Vector3d forward(0, axis == 2 ? 1 : 0, axis == 2 ? 0 : up[axis] > 0.0 ? -1 : 1);
+  forward = (forward - forward.dot(up) * up).normalized();
+  return {up, forward, 15.0, 20.0};
+}
+
+Convention convention_of(const std::string& file, const Sample& sample,
+                         const std::optional<Eigen::Vector3d>& up) {
+  if (up)
+    return {front_of(*up), "up " + shortest_text(up->x()) + ' ' + shortest_text(up->y()) + ' ' +
+                               shortest_text(up->z()) + ", as asked"};
   // Trained in the axes of computer vision: y down, z forward.
   if (sample.gaussians) return {{{0, -1, 0}, {0, 0, 1}, 10.0, 0.0}, "y down, as Gaussian splats are trained"};
   std::string reason;
@@ -216,6 +230,8 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
 
 Result<CloudScene> make_scene(const std::string& path, const std::string& folder,
                               const SceneOverrides& overrides) {
+  if (overrides.up && (!overrides.up->allFinite() || overrides.up->isZero(0.0)))
+    return Error{path, "up", "the up vector must be finite and not zero"};
   const Result<Sample> sample = sample_of(path);
   if (!sample) return sample.error();
   std::string file = path;
@@ -224,7 +240,7 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
     if (!first) return first.error();
     file = std::move(*first);
   }
-  const Convention convention = convention_of(file, *sample);
+  const Convention convention = convention_of(file, *sample, overrides.up);
   const double width = length_or(overrides, "/film/width", 1920.0),
                height = length_or(overrides, "/film/height", 1080.0);
   const double tan_y = std::tan(0.5 * fov_y_degrees * std::numbers::pi / 180.0);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "splat/camera.h"
 #include "splat/image.h"
 #include "splat/io/atomic_file.h"
 #include "splat/result.h"
@@ -23,9 +24,10 @@ namespace swept {
 ///   worldToCamera    m44f            world_to_camera in OpenEXR's terms: points are row vectors,
 ///                                    p_camera = p_world · M, and camera axes x right, y up, z forward
 ///   worldToNDC       m44f            p_world · M, divided by its w, is (0, 0) in the upper left corner of
-///   the
-///                                    display window and (1, 1) in the lower right; z is 1 − near/depth
-///   screenWindowCenter, screenWindowWidth  the film at depth 1: (0, 0), 2 tan_half_fov_y · width/height
+///                                    the display window and (1, 1) in the lower right; z is 1 − near/depth
+///   screenWindowCenter v2f           the film's middle at depth 1, from the view direction, y up
+///   screenWindowWidth float          the film's width at depth 1
+///   pixelAspectRatio float           1 / lens.stretch_x
 ///   fieldOfView      float, degrees  along the film's width
 ///   sceneHash, method, software  string  left out if empty
 ///
@@ -39,6 +41,7 @@ struct ImageMetadata {
   /// For column vectors, mid-shutter; camera axes x right, y down, z forward, as everywhere in Swept.
   Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();
   double tan_half_fov_y = 0.0;  ///< of the whole film, mid-shutter; 0: not known
+  Lens lens;                    ///< mid-shutter
   double near = 1e-3;           ///< world units, > 0
   std::string scene_hash;
   std::string method;  ///< how the image was computed, with the options that are in it

@@ -22,11 +22,45 @@ double parse_fov(const JsonNode& node, const Film& film) {
   return std::tan(0.5 * value * std::numbers::pi / 180.0) * height / extent;
 }
 
+/// How wide a camera or key sees, and where its view direction meets the film.
+struct View {
+  double tan_half_fov_y = 0.5;
+  Lens lens;
+};
+
+/// Focal lengths and principal point in pixels of a picture of `width` × `height`. A film of another size
+/// shows the same height of it, in pixels of the same shape.
+View parse_intrinsics(const JsonNode& node) {
+  node.expect_keys({"width", "height", "fx", "fy", "cx", "cy"});
+  const double width = node.require("width").positive(), height = node.require("height").positive();
+  const JsonNode fx = node.require("fx");
+  const double focal_x = fx.positive();
+  double focal_y = focal_x;
+  if (const auto fy = node.find("fy")) focal_y = fy->positive();
+  View view;
+  view.tan_half_fov_y = 0.5 * height / focal_y;
+  view.lens.stretch_x = focal_x / focal_y;
+  if (const auto cx = node.find("cx")) view.lens.shift.x() = (cx->number() - 0.5 * width) / height;
+  if (const auto cy = node.find("cy")) view.lens.shift.y() = (cy->number() - 0.5 * height) / height;
+  if (!(view.tan_half_fov_y > 0.0) || !std::isfinite(view.tan_half_fov_y)) fx.fail("is no focal length");
+  return view;
+}
+
+/// "fov" or "intrinsics" of `node`, if it has one of them.
+std::optional<View> parse_view(const JsonNode& node, const Film& film) {
+  const auto fov = node.find("fov"), intrinsics = node.find("intrinsics");
+  if (fov && intrinsics) intrinsics->fail("there is \"fov\" beside it, and one of the two says it all");
+  if (fov) return View{parse_fov(*fov, film), {}};
+  if (intrinsics) return parse_intrinsics(*intrinsics);
+  return std::nullopt;
+}
+
 LookAtKey parse_look_at(const JsonNode& node) {
   LookAtKey key;
   key.eye = node.require("eye").vector3();
   key.target = node.require("target").vector3();
   if (const auto up = node.find("up")) key.up = up->vector3();
+  if (const auto roll = node.find("roll")) key.roll_radians = roll->number() * std::numbers::pi / 180.0;
   return key;
 }
 
@@ -76,13 +110,12 @@ double parse_key_frame(const JsonNode& key, std::size_t i, std::size_t count, do
 }
 
 CameraTrack parse_camera(const JsonNode& node, const Film& film) {
-  node.expect_keys({"fov", "near", "keys", "convention"});
+  node.expect_keys({"fov", "intrinsics", "near", "keys", "convention"});
   CameraTrack camera;
   if (const auto near = node.find("near")) camera.near = near->positive();
   bool opengl = true;
   if (const auto convention = node.find("convention")) opengl = convention->one_of({"opengl", "opencv"}) == 0;
-  std::optional<double> common_fov;
-  if (const auto fov = node.find("fov")) common_fov = parse_fov(*fov, film);
+  const std::optional<View> common_view = parse_view(node, film);
 
   const JsonNode list = node.require("keys");
   const std::vector<JsonNode> keys = list.elements();
@@ -91,23 +124,26 @@ CameraTrack parse_camera(const JsonNode& node, const Film& film) {
   double previous = 0.0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const JsonNode& key = keys[i];
-    key.expect_keys({"frame", "eye", "target", "up", "matrix", "fov"});
+    key.expect_keys({"frame", "eye", "target", "up", "roll", "matrix", "fov", "intrinsics"});
     if (key.find("matrix").has_value() != matrices)
       key.fail("the keys of a camera must be all look-ats or all matrices");
     previous = parse_key_frame(key, i, keys.size(), previous);
-    const auto own_fov = key.find("fov");
-    if (!own_fov && !common_fov) key.fail("no field of view: neither the key nor the camera has \"fov\"");
-    const double fov = own_fov ? parse_fov(*own_fov, film) : *common_fov;
+    const std::optional<View> own_view = parse_view(key, film);
+    if (!own_view && !common_view)
+      key.fail("no field of view: neither the key nor the camera has \"fov\" or \"intrinsics\"");
+    const View& view = own_view ? *own_view : *common_view;
     if (matrices) {
-      for (const char* look_at : {"eye", "target", "up"})
+      for (const char* look_at : {"eye", "target", "up", "roll"})
         if (const auto member = key.find(look_at)) member->fail("a key with a matrix has no look-at");
       camera.poses.push_back(parse_matrix(key.require("matrix"), opengl));
       camera.poses.back().frame = previous;
-      camera.poses.back().tan_half_fov_y = fov;
+      camera.poses.back().tan_half_fov_y = view.tan_half_fov_y;
+      camera.poses.back().lens = view.lens;
     } else {
       camera.look_ats.push_back(parse_look_at(key));
       camera.look_ats.back().frame = previous;
-      camera.look_ats.back().tan_half_fov_y = fov;
+      camera.look_ats.back().tan_half_fov_y = view.tan_half_fov_y;
+      camera.look_ats.back().lens = view.lens;
     }
   }
   if (const auto convention = node.find("convention"); convention && !matrices)

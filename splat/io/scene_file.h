@@ -78,8 +78,10 @@ struct SceneOverrides {
   /// those that name their own included.
   FieldValues fields;
   double points_scale = 1.0;  ///< multiplies the point counts of generated objects; > 0
-  /// transforms.json of nerfstudio or instant-ngp, in place of the scene's camera; empty: none.
+  /// Cameras of nerfstudio, instant-ngp or COLMAP, in place of the scene's camera; empty: none.
   std::string camera_file;
+  /// Of every key of a look-at camera, and of the view of points that come without a scene; not zero.
+  std::optional<Eigen::Vector3d> up;
 };
 
 /// A scene file that was read and found valid. Clouds are loaded frame by frame.

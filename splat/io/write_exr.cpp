@@ -65,6 +65,9 @@ Status check(const ImageMetadata& metadata) {
   if (!metadata.world_to_camera.allFinite()) return Error{"", "world_to_camera", "must be finite"};
   if (!(metadata.tan_half_fov_y >= 0.0) || !std::isfinite(metadata.tan_half_fov_y))
     return Error{"", "tan_half_fov_y", "must be finite and not negative"};
+  if (!(metadata.lens.stretch_x > 0.0) || !std::isfinite(metadata.lens.stretch_x) ||
+      !metadata.lens.shift.allFinite())
+    return Error{"", "lens", "must be finite, and the stretch above 0"};
   if (!(metadata.near > 0.0) || !std::isfinite(metadata.near)) return Error{"", "near", "must be above 0"};
   return Done{};
 }
@@ -82,17 +85,25 @@ void add_camera(Imf::Header& header, const Image& image, const ImageMetadata& me
   const Eigen::Vector4d y_up(1.0, -1.0, 1.0, 1.0);
   Imf::addWorldToCamera(header, row_matrix(y_up.asDiagonal() * metadata.world_to_camera));
   if (metadata.tan_half_fov_y == 0.0) return;
-  const double height = 2.0 * metadata.tan_half_fov_y, width = height * image.film_width / image.film_height;
-  Eigen::Matrix4d ndc_from_camera;                // axes as in Swept; w is the depth
-  ndc_from_camera << 1.0 / width, 0.0, 0.5, 0.0,  //
-      0.0, 1.0 / height, 0.5, 0.0,                //
-      0.0, 0.0, 1.0, -metadata.near,              //
+  const Lens& lens = metadata.lens;
+  const double height = 2.0 * metadata.tan_half_fov_y;
+  const double aspect = static_cast<double>(image.film_width) / image.film_height;
+  const double width = height * aspect / lens.stretch_x;
+  Eigen::Matrix4d ndc_from_camera;  // axes as in Swept; w is the depth
+  ndc_from_camera << 1.0 / width, 0.0, 0.5 + lens.shift.x() / aspect, 0.0,  //
+      0.0, 1.0 / height, 0.5 + lens.shift.y(), 0.0,                         //
+      0.0, 0.0, 1.0, -metadata.near,                                        //
       0.0, 0.0, 1.0, 0.0;
   Imf::addWorldToNDC(header, row_matrix(ndc_from_camera * metadata.world_to_camera));
   header.screenWindowWidth() = static_cast<float>(width);
+  // The film's middle from the principal point, y up. Adding zero leaves no −0 in the file.
+  const double middle_x = 0.0 - lens.shift.x() / aspect * width, middle_y = lens.shift.y() * height + 0.0;
+  header.screenWindowCenter() = Imath::V2f(static_cast<float>(middle_x), static_cast<float>(middle_y));
+  // Focal lengths differ in px because pixels do in length.
+  header.pixelAspectRatio() = static_cast<float>(1.0 / lens.stretch_x);
   constexpr double degrees = 180.0 / std::numbers::pi;
-  header.insert("fieldOfView",
-                Imf::FloatAttribute(static_cast<float>(2.0 * std::atan(0.5 * width) * degrees)));
+  const double fov = std::atan(middle_x + 0.5 * width) - std::atan(middle_x - 0.5 * width);
+  header.insert("fieldOfView", Imf::FloatAttribute(static_cast<float>(fov * degrees)));
 }
 
 Imf::Header header_of(const Image& image, const ImageMetadata& metadata) {

@@ -89,13 +89,13 @@ class Builder {
  public:
   Builder(const Scene& scene, const Exposure& exposure, KernelSet& out)
       : scene_(scene), exposure_(exposure), out_(out) {
-    out.projection = projection_of(scene.film, scene.camera.at(exposure.middle()).tan_half_fov_y);
+    out.projection = projection_of(scene.film, scene.camera.at(exposure.middle()));
     out.near = scene.camera.near;
     // A guard band: beyond it a disc touches the frame with its rim only, if at all.
     constexpr double guard = 1.3;
     filter_.radius = scene.model.filter_radius_px / out.projection.focal_px;
-    filter_.max_tangent_x = guard * 0.5 * scene.film.width / out.projection.focal_px;
-    filter_.max_tangent_y = guard * 0.5 * scene.film.height / out.projection.focal_px;
+    filter_.max_tangent_x = guard * largest_tangent(scene.film, out.projection, 0);
+    filter_.max_tangent_y = guard * largest_tangent(scene.film, out.projection, 1);
     filter_.near = scene.camera.near;
   }
 

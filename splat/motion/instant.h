@@ -1,4 +1,4 @@
-// One instant of the shutter: object and camera folded into one map. Private to splat.
+// One instant of the shutter: object, camera and lens folded into one map. Private to splat.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -10,20 +10,17 @@ namespace swept {
 struct Instant {
   double frame = 0.0;
   Eigen::Affine3d world_from_object;
+  /// Into the space of the projection at mid-shutter: a rotation, then lens_matrix(), so not rigid where the
+  /// lens stretches or changes.
   Eigen::Matrix3d camera_from_world;
   Eigen::Vector3d eye;
-  double zoom = 1.0;  ///< focal length relative to that at mid-shutter, which the projection has
 
   [[nodiscard]] Eigen::Vector3d to_camera(const Eigen::Vector3d& point) const {
     // The eye is subtracted in world space, where survey coordinates still have all their digits.
-    Eigen::Vector3d p = camera_from_world * (world_from_object * point - eye);
-    p.head<2>() *= zoom;
-    return p;
+    return camera_from_world * (world_from_object * point - eye);
   }
   [[nodiscard]] Eigen::Vector3d to_camera_direction(const Eigen::Vector3d& direction) const {
-    Eigen::Vector3d p = camera_from_world * (world_from_object.linear() * direction);
-    p.head<2>() *= zoom;
-    return p;
+    return camera_from_world * (world_from_object.linear() * direction);
   }
 };
 
@@ -32,9 +29,9 @@ struct Instant {
                                         double shutter_time) {
   const double frame = exposure.at(shutter_time);
   const CameraInstant camera = scene.camera.at(frame);
-  const double reference = scene.camera.at(exposure.middle()).tan_half_fov_y;
-  return {frame, object.transform.at(frame), camera.camera_from_world.linear(), camera.eye,
-          reference / camera.tan_half_fov_y};
+  const Eigen::Matrix3d lens = lens_matrix(camera, scene.camera.at(exposure.middle()));
+  const Eigen::Matrix3d rotation = camera.camera_from_world.linear();
+  return {frame, object.transform.at(frame), lens.isIdentity(0.0) ? rotation : lens * rotation, camera.eye};
 }
 
 /// Whether object, points and camera keep their bits over the whole exposure.

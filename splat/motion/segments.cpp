@@ -55,7 +55,9 @@ Deviation deviation_of(const Probe& probe, int segments, const Projection& proje
     if (!(truth.z() > near)) continue;
     const double per_unit = projection.focal_px / truth.z();
     // Only what can be seen matters, give or take a frame.
-    if (std::abs(truth.x()) * per_unit > film.width || std::abs(truth.y()) * per_unit > film.height) continue;
+    const double from_middle_x = projection.center_x - 0.5 * film.width + truth.x() * per_unit;
+    const double from_middle_y = projection.center_y - 0.5 * film.height + truth.y() * per_unit;
+    if (std::abs(from_middle_x) > film.width || std::abs(from_middle_y) > film.height) continue;
     const auto turned = [&](int end) {
       return std::max((probe.axis_u[end] - probe.axis_u[middle]).norm(),
                       (probe.axis_v[end] - probe.axis_v[middle]).norm());
@@ -71,8 +73,7 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
   std::array<Instant, 2 * probed_segments + 1> instants;
   for (int j = 0; j <= 2 * probed_segments; ++j)
     instants[j] = instant_at(scene, object, exposure, j / (2.0 * probed_segments));
-  const Projection projection =
-      projection_of(scene.film, scene.camera.at(instants[probed_segments].frame).tan_half_fov_y);
+  const Projection projection = projection_of(scene.film, scene.camera.at(instants[probed_segments].frame));
 
   std::array<Deviation, 4> by_log2{};
   const SurfelCloud& cloud = object.cloud;
