@@ -19,6 +19,7 @@
 #include "abuffer/simd/sampled_math.h"
 #include "abuffer/sources/instant_table.h"
 #include "abuffer/sources/point_packets.h"
+#include "abuffer/splats/splat_frame.h"
 #include "abuffer/tiles/cells.h"
 #include "splat/stopwatch.h"
 
@@ -347,7 +348,14 @@ Status SampledOptions::validate() const {
 
 Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options,
                                 const RenderControl& control) {
-  return render_valid(scene, options, control, [](const auto&... all) { return Renderer(all...).render(); });
+  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                     [](const Object& object) { return object.splats.size() > 0; });
+  if (of_splats && options.max_seconds > 0.0)
+    return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
+  if (of_splats && options.error_layers) return Error{"", "error_layers", "are not known of splats yet"};
+  return render_valid(scene, options, control, [&](const auto&... all) {
+    return of_splats ? render_splats(all...) : Renderer(all...).render();
+  });
 }
 
 }  // namespace swept

@@ -39,6 +39,9 @@ Status validate(const TransformTrack& track) {
 
 Status validate(const Object& object) {
   if (Status cloud = object.cloud.validate(); !cloud) return within("/cloud", cloud.error());
+  if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
+  if (object.cloud.size() > 0 && object.splats.size() > 0)
+    return bad("/splats", "an object has either discs or splats");
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
     return bad("/segments",

@@ -141,7 +141,8 @@ void add_up_option(CLI::App& command, std::optional<Eigen::Vector3d>& up, const 
 std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
   auto overrides = std::make_shared<SceneOverrides>();
   for (const FieldOption& option : field_options()) {
-    const bool of_image = option.fields.front()->group() == "image";
+    const std::string_view group = option.fields.front()->group();
+    const bool of_image = group == "image" || group == "splats";
     command
         .add_option_function<std::string>(
             option.name,

@@ -1,0 +1,13 @@
+// A frame of Gaussian splats: the mean of still images at instants of the exposure. Source: model section 13.
+#pragma once
+
+#include "abuffer/sampled.h"
+
+namespace swept {
+
+/// As render_sampled(), of a scene that is valid and has splats and no discs. Runs in the caller's task
+/// arena.
+[[nodiscard]] Result<Rendered> render_splats(const Scene& scene, const SampledOptions& options,
+                                             const RenderControl& control);
+
+}  // namespace swept
