@@ -169,19 +169,21 @@ TEST_F(GltfFileTest, EveryTruncationAndVersionIsRefused) {
 }
 
 std::string nodes_refusal(const std::string& nodes) {
+  const std::string text = "{" + kAsset + "\"nodes\":" + nodes + "}";
   const Result<Done> done = io::guarded("a.gltf", [&]() -> Result<Done> {
-    static_cast<void>(GltfFile("a.gltf", "{" + kAsset + "\"nodes\":" + nodes + "}").nodes());
+    static_cast<void>(GltfFile("a.gltf", text).nodes());
     return Done{};
   });
   return done ? "none" : done.error().field + ": " + done.error().reason;
 }
 
 TEST_F(GltfFileTest, NodesCarryTheirChildrenAlong) {
-  const GltfFile file("a.gltf", "{" + kAsset + R"("scene":1,"scenes":[{},{"nodes":[1]}],"nodes":[
+  const std::string text = "{" + kAsset + R"("scene":1,"scenes":[{},{"nodes":[1]}],"nodes":[
       {"translation":[1,0,0]},
       {"children":[2],"rotation":[0,0,2,2],"scale":[2,2,2]},
       {"children":[0],"matrix":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,3,0,1]},
-      {"translation":[9,9,9]}]})");
+      {"translation":[9,9,9]}]})";
+  const GltfFile file("a.gltf", text);
   const auto nodes = file.nodes();
   ASSERT_EQ(nodes.size(), 4u);
   const auto transforms = scene_from_nodes(nodes);
@@ -208,7 +210,8 @@ TEST_F(GltfFileTest, ALongChainOfNodesTakesNoTime) {
   const int count = 100'000;
   for (int i = 0; i + 1 < count; ++i)
     nodes += R"({"translation":[1,0,0],"children":[)" + std::to_string(i + 1) + "]},";
-  const GltfFile file("a.gltf", "{" + kAsset + "\"nodes\":" + nodes + "{}]}");
+  const std::string text = "{" + kAsset + "\"nodes\":" + nodes + "{}]}";
+  const GltfFile file("a.gltf", text);
   const auto transforms = scene_from_nodes(file.nodes());
   EXPECT_EQ(transforms.back()(0, 3), count - 1);
   EXPECT_EQ(file.nodes_in_scene().size(), static_cast<std::size_t>(count));

@@ -240,9 +240,63 @@ TEST_F(SplatPlyTest, PointsAreNoSplats) {
 TEST_F(SplatPlyTest, EmptyAndUnknownKindsAreRefused) {
   const Fields fields;
   EXPECT_EQ(read(float_ply("ascii", fields.names, {})).error().reason, "has no splats");
-  Fields moving;
-  moving.add("trbf_center", 0.5);
-  EXPECT_EQ(read(moving.bytes()).error().field, "trbf_center");
+  Fields alone;
+  alone.add("trbf_center", 0.5);
+  EXPECT_EQ(read(alone.bytes()).error().field, "trbf_center");
+}
+
+/// A splat of SpacetimeGaussians' lite model.
+Fields moving() {
+  Fields fields;
+  fields.add("trbf_center", 0.5);
+  fields.add("trbf_scale", std::log(0.25));
+  for (int k = 0; k < 9; ++k) fields.add("motion_" + std::to_string(k), k + 1.0);
+  for (int k = 0; k < 4; ++k) fields.add("omega_" + std::to_string(k), k == 0 ? 8.0 : 0.0);
+  return fields;
+}
+
+TEST_F(SplatPlyTest, SplatsThatMoveByThemselves) {
+  SplatReadOptions options;
+  options.motion = true;
+  const auto read_moving = [&](const Fields& fields) {
+    return read_splats(write("moving.ply", fields.bytes()), options);
+  };
+  const Result<LoadedSplats> file = read_moving(moving());
+  ASSERT_TRUE(file.ok()) << file.error().message();
+  ASSERT_TRUE(file->motion.has_value());
+  ASSERT_TRUE(file->motion->validate(1).ok());
+  EXPECT_TRUE(file->report.unread.empty());
+  // f_dc are the colours themselves.
+  EXPECT_FLOAT_EQ(file->splats.harmonics[0], -0.25f / 0.28209479f);
+  const SplatCloud rest = splats_at(file->splats, *file->motion, 0.5);
+  EXPECT_EQ(rest.position[0], Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(rest.opacity[0], 0.5f);
+  const SplatCloud later = splats_at(file->splats, *file->motion, 0.75);
+  EXPECT_TRUE(later.validate().ok());
+  const double t = 0.25;
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(later.position[0][k], k + 1.0 + t * (k + 1.0) + t * t * (k + 4.0) + t * t * t * (k + 7.0),
+                1e-12);
+  EXPECT_FLOAT_EQ(later.opacity[0], 0.5f * std::exp(-1.0f));
+  // (0, 0, 0, −2) + ¼ (8, 0, 0, 0) is (2, 0, 0, −2).
+  EXPECT_LT((later.rotation[0].coeffs() - Eigen::Vector4f(0, 0, -std::sqrt(0.5f), std::sqrt(0.5f))).norm(),
+            1e-6f);
+
+  EXPECT_EQ(read(moving().bytes()).error().field, "trbf_center");
+  Fields fields = moving();
+  fields.drop("motion_4");
+  EXPECT_EQ(read_moving(fields).error().field, "motion_4");
+  fields = moving();
+  fields.add("f_dc_3", 0.0);
+  EXPECT_EQ(read_moving(fields).error().field, "f_dc_3");
+  fields = moving();
+  fields.set("omega_2", NAN);
+  EXPECT_EQ(read_moving(fields).error().field, "omega_2");
+  fields = moving();
+  fields.set("trbf_scale", -200.0);
+  EXPECT_EQ(read_moving(fields).error().field, "trbf_scale");
+  options.skip_invalid = true;
+  EXPECT_EQ(read_moving(fields).error().reason, "has no splat with finite numbers");
 }
 
 TEST_F(SplatPlyTest, EveryTruncationIsRefused) {

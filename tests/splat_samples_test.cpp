@@ -5,7 +5,7 @@
 #include <functional>
 #include <numeric>
 
-#include "splat/io/splat_file.h"
+#include "splat/io/read_splats.h"
 #include "tests/point_files.h"
 
 namespace {
@@ -111,6 +111,28 @@ class SplatSamplesTest : public ::testing::Test {
     EXPECT_LT(matched(trained, packed, half), steps.opacity > 0.0 ? trained.size() : trained.size() + 1);
   }
 };
+
+TEST_F(SplatSamplesTest, CutShortTheyAreRefusedAtOnce) {
+  SWEPT_DATA_OR_SKIP(data);
+  const auto refuse = [&](const std::string& name, auto reader) {
+    const std::string whole = test::content_of(data + "gaussians/" + name);
+    ASSERT_TRUE(reader(name, whole, {}).ok());
+    for (std::size_t k = 0; k < 80; ++k) {
+      // Evenly, and the last bytes one by one.
+      const std::size_t size = k < 64 ? whole.size() / 64 * k : whole.size() - 1 - (k - 64);
+      const Result<LoadedSplats> file =
+          reader(name, std::string_view(whole).substr(0, size), SplatReadOptions{});
+      ASSERT_FALSE(file.ok()) << name << ", " << size;
+      EXPECT_EQ(file.error().file, name);
+      EXPECT_EQ(file.error().message().find('\n'), std::string::npos);
+    }
+  };
+  refuse("try_it7000.ply", io::read_splat_ply);
+  refuse("try_it7000.compressed.ply", io::read_splat_ply);
+  refuse("try_it7000.spz", io::read_spz);
+  refuse("try_it7000.glb", io::read_splat_gltf);
+  refuse("try_it7000.sog", io::read_sog);
+}
 
 TEST_F(SplatSamplesTest, GltfIsExact) {
   SWEPT_DATA_OR_SKIP(data);

@@ -218,9 +218,7 @@ TEST(SpzTest, EveryTruncationIsRefused) {
     ASSERT_EQ(refusal(whole), "none");
     for (std::size_t size = 0; size < whole.size(); ++size)
       EXPECT_NE(refusal(whole.substr(0, size)), "none") << version << ", " << size;
-    if (version == 4) {
-      EXPECT_EQ(refusal(whole + "x"), ": goes on after its splats");
-    }
+    EXPECT_EQ(refusal(whole + "x").find(": goes on after its splats"), 0u);
   }
 }
 

@@ -84,23 +84,27 @@ double GltfAccessor::number(std::size_t element, std::size_t component) const {
 
 GltfFile::GltfFile(const std::string& path, std::string_view bytes)
     : path_(std::make_unique<const std::string>(path)) {
-  GltfChunks chunks = split_gltf(path, bytes);
-  Result<nlohmann::json> document = parse_json(path, std::string(chunks.json));
+  read_document(bytes);
+}
+
+GltfFile::GltfFile(const std::string& path) : path_(std::make_unique<const std::string>(path)) {
+  Result<std::string> bytes = read_bytes(path);
+  if (!bytes) throw bytes.error();
+  content_ = std::make_unique<const std::string>(*std::move(bytes));
+  read_document(*content_);
+}
+
+void GltfFile::read_document(std::string_view bytes) {
+  const GltfChunks chunks = split_gltf(path(), bytes);
+  Result<nlohmann::json> document = parse_json(path(), std::string(chunks.json));
   if (!document) throw document.error();
   document_ = std::make_unique<const nlohmann::json>(*std::move(document));
-  if (chunks.binary) chunk_ = std::make_shared<const std::string>(*chunks.binary);
+  chunk_ = chunks.binary;
   const JsonNode asset = root().require("asset"), version = asset.require("version");
   if (!version.string().starts_with("2.")) version.fail("is " + version.string() + ", not 2.0");
   const std::optional<JsonNode> least = asset.find("minVersion");
   if (least && least->string() != "2.0") least->fail("is " + least->string() + ", not 2.0");
 }
-
-GltfFile::GltfFile(const std::string& path)
-    : GltfFile(path, [&] {
-        Result<std::string> bytes = read_bytes(path);
-        if (!bytes) throw bytes.error();
-        return *std::move(bytes);
-      }()) {}
 
 std::size_t GltfFile::index_in(const std::string& array, const JsonNode& index) const {
   const std::optional<JsonNode> all = root().find(array);
@@ -116,45 +120,44 @@ JsonNode GltfFile::element(const std::string& array, const JsonNode& index) cons
   return root().require(array).at(index_in(array, index));
 }
 
-const std::string& GltfFile::buffer(const JsonNode& index) const {
+std::string_view GltfFile::buffer(const JsonNode& index) const {
   const std::size_t i = index_in("buffers", index);
-  Bytes& bytes = buffers_[i];
-  if (!bytes) {
-    const JsonNode node = element("buffers", index);
-    const std::optional<JsonNode> uri = node.find("uri");
-    if (!uri && (i != 0 || !chunk_)) node.fail("has no uri, and the file no binary chunk for it");
-    Bytes read = uri ? read_buffer(*uri) : chunk_;
-    const JsonNode length = node.require("byteLength");
-    if (const auto wanted = static_cast<std::size_t>(length.integer(1, most)); wanted > read->size())
-      length.fail("is " + std::to_string(wanted) + ", of which " + std::to_string(read->size()) +
-                  " bytes are there");
-    bytes = std::move(read);
-  }
-  return *bytes;
+  if (const auto found = buffers_.find(i); found != buffers_.end()) return found->second.bytes;
+  const JsonNode node = element("buffers", index);
+  const std::optional<JsonNode> uri = node.find("uri");
+  if (!uri && (i != 0 || !chunk_)) node.fail("has no uri, and the file no binary chunk for it");
+  const Buffer read = uri ? read_buffer(*uri) : Buffer{*chunk_, nullptr};
+  const JsonNode length = node.require("byteLength");
+  if (const auto wanted = static_cast<std::size_t>(length.integer(1, most)); wanted > read.bytes.size())
+    length.fail("is " + std::to_string(wanted) + ", of which " + std::to_string(read.bytes.size()) +
+                " bytes are there");
+  return buffers_.emplace(i, read).first->second.bytes;
 }
 
-GltfFile::Bytes GltfFile::read_buffer(const JsonNode& uri) const {
+GltfFile::Buffer GltfFile::read_buffer(const JsonNode& uri) const {
+  const auto owned = [](std::string bytes) {
+    const auto own = std::make_shared<const std::string>(std::move(bytes));
+    return Buffer{*own, own};
+  };
   const std::string& text = uri.string();
   if (text.starts_with("data:")) {
     std::optional<std::string> data = data_of_uri(text);
     if (!data) uri.fail("is a data URI without well-formed base64");
-    return std::make_shared<const std::string>(*std::move(data));
+    return owned(*std::move(data));
   }
   const std::optional<std::string> name = file_of_uri(path(), text);
   if (!name) uri.fail("must be data or the relative path of a file");
-  Bytes& bytes = files_[*name];
-  if (!bytes) {
-    Result<std::string> content = read_bytes(*name);
-    if (!content) throw content.error();
-    bytes = std::make_shared<const std::string>(*std::move(content));
-  }
-  return bytes;
+  if (const auto found = files_.find(*name); found != files_.end()) return found->second;
+  Result<std::string> content = read_bytes(*name);
+  if (!content) throw content.error();
+  return files_.emplace(*name, owned(*std::move(content))).first->second;
 }
 
 std::size_t GltfFile::buffer_bytes() const {
+  std::map<const char*, std::size_t> distinct;
+  for (const auto& [index, buffer] : buffers_) distinct[buffer.bytes.data()] = buffer.bytes.size();
   std::size_t sum = 0;
-  for (const auto& [index, bytes] : buffers_)
-    if (bytes) sum += bytes->size();
+  for (const auto& [data, size] : distinct) sum += size;
   return sum;
 }
 

@@ -53,7 +53,7 @@ struct GltfNode {
 class GltfFile {
  public:
   /// Of .glb and of .gltf, which is told from the bytes. The folder of `path` is where other files are looked
-  /// for. `bytes` may go away.
+  /// for. `bytes` have to stay.
   GltfFile(const std::string& path, std::string_view bytes);
   explicit GltfFile(const std::string& path);
 
@@ -72,22 +72,28 @@ class GltfFile {
   /// The nodes of the default scene and all below them; all nodes of a file without scenes.
   [[nodiscard]] std::vector<std::size_t> nodes_in_scene() const;
 
-  /// How many bytes of buffers have been read.
+  /// How many bytes of buffers have been read; those that several share count once.
   [[nodiscard]] std::size_t buffer_bytes() const;
 
  private:
-  using Bytes = std::shared_ptr<const std::string>;
+  /// The file's own, or bytes that were unpacked or read for it.
+  struct Buffer {
+    std::string_view bytes;
+    std::shared_ptr<const std::string> own;
+  };
 
-  [[nodiscard]] const std::string& buffer(const JsonNode& index) const;
-  [[nodiscard]] Bytes read_buffer(const JsonNode& buffer) const;
+  void read_document(std::string_view bytes);
+  [[nodiscard]] std::string_view buffer(const JsonNode& index) const;
+  [[nodiscard]] Buffer read_buffer(const JsonNode& uri) const;
   [[nodiscard]] std::string_view view(const JsonNode& index, std::size_t& stride) const;
   void add_sparse(const JsonNode& sparse, std::size_t element_bytes, GltfAccessor& accessor) const;
 
-  std::unique_ptr<const std::string> path_;  ///< nodes refer to it
+  std::unique_ptr<const std::string> path_;     ///< nodes refer to it
+  std::unique_ptr<const std::string> content_;  ///< of a file that was read here
   std::unique_ptr<const nlohmann::json> document_;
-  Bytes chunk_;                                   ///< the buffer in a .glb, or null
-  mutable std::map<std::size_t, Bytes> buffers_;  ///< those that were asked for
-  mutable std::map<std::string, Bytes> files_;    ///< several buffers may be in one file
+  std::optional<std::string_view> chunk_;          ///< the buffer in a .glb
+  mutable std::map<std::size_t, Buffer> buffers_;  ///< those that were asked for
+  mutable std::map<std::string, Buffer> files_;    ///< several buffers may be in one file
 };
 
 /// The axes that splats are trained in, right, down and forward, from those of glTF, left, up and forward.

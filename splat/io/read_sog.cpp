@@ -33,7 +33,7 @@ class Reader {
     const JsonNode root(meta_, path_);
     const std::optional<JsonNode> version = root.find("version");
     if (!version) root.fail("has no \"version\", as version 1 of SOG, which is not known");
-    if (const JsonNode v = *version; v.number() != 2.0) v.fail("is not 2, the one that is known");
+    if (version->number() != 2.0) version->fail("is not 2, the one that is known");
     count_ = static_cast<std::size_t>(root.require("count").integer(0, 1LL << 32));
     if (count_ == 0) return Error{path_, "", "has no splats"};
     if (const auto antialias = root.find("antialias")) antialiased_ = antialias->boolean();

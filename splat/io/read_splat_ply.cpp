@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -17,7 +18,8 @@ namespace {
 
 /// Where the numbers of a splat stand in a row of them.
 enum Slot : std::size_t { position = 0, scale = 3, rotation = 6, opacity = 10, dc = 11, rest = 14 };
-constexpr std::size_t most_rest = 45, velocity = rest + most_rest, color = velocity + 3, slots = color + 3,
+constexpr std::size_t most_rest = 45, velocity = rest + most_rest, color = velocity + 3, center = color + 3,
+                      log_duration = center + 1, motion = center + 2, omega = motion + 9, slots = omega + 4,
                       unused = slots;
 
 std::string numbered(const char* stem, std::size_t number) { return stem + std::to_string(number); }
@@ -31,10 +33,8 @@ class Layout {
     slot_of.assign(vertex.properties.size(), unused);
   }
 
-  Status plan(const std::string& path, const PlyElement& vertex) {
-    if (index_.contains("trbf_center") || index_.contains("motion_0"))
-      return Error{path, index_.contains("trbf_center") ? "trbf_center" : "motion_0",
-                   "moving splats of SpacetimeGaussians are not known"};
+  Status plan(const std::string& path, const PlyElement& vertex, const SplatReadOptions& options) {
+    if (Status s = plan_motion(path, options); !s) return s;
     for (const auto& [name, slot] : {std::pair{"x", 0u}, {"y", 1u}, {"z", 2u}})
       if (!take(name, position + slot)) return Error{path, name, "no such property"};
     flat = !take("scale_2", scale + 2);
@@ -54,7 +54,7 @@ class Layout {
   }
 
   std::vector<std::size_t> slot_of;  ///< of each property; unused: nothing is made of it
-  bool flat = false, has_opacity = false, has_harmonics = false, has_velocity = false;
+  bool flat = false, has_opacity = false, has_harmonics = false, has_velocity = false, has_motion = false;
   double full_color = 0.0;  ///< what colours in place of harmonics are stored as; 0: there are none
   int degree = 0;
 
@@ -64,6 +64,28 @@ class Layout {
     if (found == index_.end()) return false;
     slot_of[found->second] = slot;
     return true;
+  }
+
+  /// Source: SpacetimeGaussians, thirdparty/gaussian_splatting/scene/ourslite.py.
+  Status plan_motion(const std::string& path, const SplatReadOptions& options) {
+    const auto first = {"trbf_center", "trbf_scale", "motion_0", "omega_0"};
+    const auto* const found =
+        std::find_if(first.begin(), first.end(), [&](const char* n) { return index_.contains(n); });
+    if (found == first.end()) return Done{};
+    if (!options.motion)
+      return Error{path, *found, "splats of SpacetimeGaussians, which move by themselves, are not read here"};
+    // Its full model has a network that makes the colours, in another file.
+    for (const char* name : {"f_dc_3", "f_t_0", "f_rest_0"})
+      if (index_.contains(name))
+        return Error{path, name,
+                     "of SpacetimeGaussians only the lite model is known, which has f_dc_0 to f_dc_2"};
+    std::map<std::string, std::size_t> needed{{"trbf_center", center}, {"trbf_scale", log_duration}};
+    for (std::size_t k = 0; k < 9; ++k) needed[numbered("motion_", k)] = motion + k;
+    for (std::size_t k = 0; k < 4; ++k) needed[numbered("omega_", k)] = omega + k;
+    for (const auto& [name, slot] : needed)
+      if (!take(name, slot)) return Error{path, name, "no such property"};
+    has_motion = true;
+    return Done{};
   }
 
   Status plan_colors(const std::string& path, const PlyElement& vertex) {
@@ -83,6 +105,13 @@ class Layout {
     for (std::size_t k = 0; k < count; ++k)
       if (!take(numbered("f_rest_", k), rest + k))
         return Error{path, numbered("f_rest_", k), "no such property"};
+    if (has_motion && has_harmonics) {
+      // Of the lite model these are colours.
+      has_harmonics = false;
+      full_color = 1.0;
+      for (std::size_t k = 0; k < 3; ++k) take(numbered("f_dc_", k), color + k);
+      return Done{};
+    }
     for (std::size_t k = 0; has_harmonics && k < 3; ++k) take(numbered("f_dc_", k), dc + k);
     const char* const names[] = {"red", "green", "blue"};
     if (has_harmonics || !std::all_of(names, names + 3, [&](const char* n) { return index_.contains(n); }))
@@ -139,7 +168,7 @@ class SplatPlyReader {
         numbers_(bytes.substr(header.body), header.format) {}
 
   Result<LoadedSplats> read() {
-    if (Status s = layout_.plan(path_, vertex_); !s) return s.error();
+    if (Status s = layout_.plan(path_, vertex_, options_); !s) return s.error();
     std::optional<SplatBuilder> builder;
     for (const PlyElement& element : header_.elements) {
       if (Status s = check_ply_size(path_, element, numbers_); !s) return s.error();
@@ -148,7 +177,7 @@ class SplatPlyReader {
         builder.emplace(path_, static_cast<std::size_t>(element.count), layout_.degree, layout_.has_velocity,
                         options_, [this](SplatPart part, std::size_t k) { return name_of(part, k); });
       const Status read = read_ply_rows(path_, element, numbers_, [&](std::span<const double> numbers) {
-        return is_vertex ? builder->add(splat(numbers)) : Status(Done{});
+        return is_vertex ? add(numbers, *builder) : Status(Done{});
       });
       if (!read) return read.error();
     }
@@ -157,6 +186,36 @@ class SplatPlyReader {
   }
 
  private:
+  Status add(std::span<const double> numbers, SplatBuilder& builder) {
+    const SplatRow row = splat(numbers);
+    if (!layout_.has_motion) return builder.add(row);
+    const auto fits = [](double x) { return std::abs(x) <= std::numeric_limits<float>::max(); };
+    for (std::size_t slot = center; slot < slots; ++slot)
+      if (!fits(row_[slot]))
+        return builder.drop(layout_.name_of(vertex_, slot),
+                            "has a number that is not finite in the range of float");
+    const auto duration = static_cast<float>(std::min(std::exp(row_[log_duration]), 1e300));
+    if (!(duration > 0.0f) || !std::isfinite(duration))
+      return builder.drop("trbf_scale", "gives a duration beyond the range of float");
+    // The cloud's quaternion is divided by its length, and so is what is added to it. Zero is for add() to
+    // find.
+    const double length = row.rotation.stableNorm();
+    const Eigen::Vector4d turn =
+        Eigen::Map<const Eigen::Vector4d>(row_.data() + omega) / (length > 0.0 ? length : 1.0);
+    if (!fits(turn.cwiseAbs().maxCoeff())) return builder.drop("omega_0", "turns faster than float can say");
+    const std::size_t before = builder.loaded.splats.size();
+    if (Status s = builder.add(row); !s) return s;
+    if (builder.loaded.splats.size() == before) return Done{};
+    if (!builder.loaded.motion) builder.loaded.motion.emplace();
+    SplatMotion& moves = *builder.loaded.motion;
+    moves.center.push_back(static_cast<float>(row_[center]));
+    moves.duration.push_back(duration);
+    moves.path.push_back({vector_at(motion).cast<float>(), vector_at(motion + 3).cast<float>(),
+                          vector_at(motion + 6).cast<float>()});
+    moves.turn.push_back(turn.cast<float>());
+    return Done{};
+  }
+
   [[nodiscard]] SplatRow splat(std::span<const double> numbers) {
     for (std::size_t p = 0; p < numbers.size(); ++p)
       if (layout_.slot_of[p] != unused) row_[layout_.slot_of[p]] = numbers[p];
@@ -226,7 +285,8 @@ class SplatPlyReader {
     use("color", dc, rest);
     use("harmonics", rest, velocity);
     use("velocity", velocity, color);
-    use("color", color, slots);
+    use("color", color, center);
+    use("motion", center, slots);
     for (std::size_t p = 0; p < layout_.slot_of.size(); ++p)
       if (layout_.slot_of[p] == unused) report.unread.push_back(vertex_.properties[p].name);
     for (const PlyElement& element : header_.elements) {

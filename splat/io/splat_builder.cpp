@@ -90,12 +90,12 @@ bool SplatBuilder::find_fault(const SplatRow& row, Fault& fault) const {
 }
 
 Status SplatBuilder::add(const SplatRow& row) {
-  const std::size_t index = added_++;
   if (Fault fault; find_fault(row, fault)) {
-    if (fault.invalid && skip_invalid_) return Done{};
-    return Error{path_, names_(fault.part, fault.component),
-                 "splat " + std::to_string(index) + " " + fault.reason};
+    const std::string field = names_(fault.part, fault.component);
+    if (fault.invalid) return drop(field, fault.reason);
+    return Error{path_, field, "splat " + std::to_string(added_) + " " + fault.reason};
   }
+  ++added_;
   SplatCloud& cloud = loaded.splats;
   cloud.position.push_back(row.position);
   cloud.scale.push_back(row.scale.cast<float>());
@@ -108,6 +108,12 @@ Status SplatBuilder::add(const SplatRow& row) {
       cloud.harmonics.push_back(static_cast<float>(row.harmonics[k][channel]));
   if (velocities_) cloud.velocity.push_back(row.velocity.cast<float>());
   return Done{};
+}
+
+Status SplatBuilder::drop(const std::string& field, const std::string& reason) {
+  const std::size_t index = added_++;
+  if (skip_invalid_) return Done{};
+  return Error{path_, field, "splat " + std::to_string(index) + " " + reason};
 }
 
 Result<LoadedSplats> SplatBuilder::finish() {

@@ -45,6 +45,9 @@ class SplatBuilder {
   /// numbers out of range.
   Status add(const SplatRow& row);
 
+  /// Leaves out a splat whose numbers the reader found wrong itself; an error unless such are to be skipped.
+  Status drop(const std::string& field, const std::string& reason);
+
   /// Errors: no splats.
   Result<LoadedSplats> finish();
 
@@ -60,7 +63,7 @@ class SplatBuilder {
   [[nodiscard]] bool find_fault(const SplatRow& row, Fault& fault) const;
 
   const std::string& path_;
-  std::size_t harmonics_, added_ = 0;
+  std::size_t harmonics_, added_ = 0;  ///< of one splat; splats that came, kept or not
   bool velocities_, skip_invalid_;
   SplatNames names_;
 };

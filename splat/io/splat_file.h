@@ -4,12 +4,14 @@
 // .splat.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "splat/io/read_report.h"
 #include "splat/result.h"
 #include "splat/splat_cloud.h"
+#include "splat/splat_motion.h"
 
 namespace swept {
 
@@ -24,12 +26,15 @@ enum class SpzAxes {
 struct SplatReadOptions {
   bool skip_invalid = false;  ///< drop splats with NaN or infinite numbers; else they are an error
   SpzAxes spz_axes = SpzAxes::automatic;
+  /// Read splats that move by themselves, too, into LoadedSplats::motion; else they are an error.
+  bool motion = false;
 };
 
 struct LoadedSplats {
   SplatCloud splats;  ///< in the axes of training, y down and z forward; velocities as stored, at frame 0
-  std::vector<std::string> notes;  ///< what a person should know about how this was read
-  ReadReport report;               ///< what was read, and what was not
+  std::vector<std::string> notes;     ///< what a person should know about how this was read
+  ReadReport report;                  ///< what was read, and what was not
+  std::optional<SplatMotion> motion;  ///< of SpacetimeGaussians' PLY files, where asked for
 };
 
 /// Whether the name's extension is one of those that only splats have; .ply is not among them.

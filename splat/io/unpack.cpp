@@ -75,7 +75,7 @@ Result<std::string> GzipStream::next(std::size_t size) {
 
 bool GzipStream::at_end() {
   char more = 0;
-  return state_->fill(&more, 1) == 0 && state_->ended;
+  return state_->fill(&more, 1) == 0 && state_->ended && state_->packed.empty();
 }
 
 Result<std::string> unpack_zstd(std::string_view packed, std::size_t size) {

@@ -22,7 +22,7 @@ class GzipStream {
 
   /// The next `size` bytes. Errors, without file and field: the stream ends before, or is damaged.
   Result<std::string> next(std::size_t size);
-  /// Whether the stream ends here, whole and with the right checksum.
+  /// Whether the stream ends here, whole and with the right checksum, and nothing follows it.
   bool at_end();
 
  private:

@@ -24,6 +24,7 @@ void read(std::string_view bytes, const SplatReadOptions& options) {
   SWEPT_HOLDS(file->splats.size() > 0);
   SWEPT_HOLDS(file->splats.validate());
   SWEPT_HOLDS(file->report.points == file->splats.size() + file->report.dropped);
+  if (file->motion) SWEPT_HOLDS(file->motion->validate(file->splats.size()));
   for (const std::string& line : file->report.lines()) SWEPT_HOLDS(!line.empty() && line.size() < 4096);
 }
 
@@ -49,7 +50,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   swept::SplatReadOptions options;
   swept::read(bytes, options);
   swept::read(swept::packed(bytes), options);
-  options.skip_invalid = true;
+  options.skip_invalid = options.motion = true;
   options.spz_axes = swept::SpzAxes::right_up_back;
   swept::read(bytes, options);
   return 0;
