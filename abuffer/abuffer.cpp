@@ -318,6 +318,7 @@ Status AbufferOptions::validate() const {
 }
 
 Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options) {
+  if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   return render_valid(scene, options, render_checked);
 }
 

@@ -269,6 +269,8 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (Status status = scene.validate(); !status) return status.error();
   const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
                                      [](const Object& object) { return object.splats.size() > 0; });
+  if (of_splats)
+    if (Status status = check_splats(scene); !status) return status.error();
   try {
     // An arena larger than the machine gains nothing, and makes oneTBB print a warning.
     const int available = tbb::info::default_concurrency();

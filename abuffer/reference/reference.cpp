@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "abuffer/reference/reference_frame.h"
+#include "abuffer/reference/splat_reference.h"
 
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
@@ -153,6 +154,7 @@ Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
 
 Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options) {
   if (Status status = validate(scene, options); !status) return status.error();
+  if (!refuse_splats(scene, "this")) return render_splat_reference(scene, {options.samples, options.threads});
   return run_in_arena(options.threads, [&] {
     if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options);
     Stopwatch watch;

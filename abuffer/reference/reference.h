@@ -40,7 +40,9 @@ struct ReferenceOptions {
 /// peak 1 (+∞ where the error is 0); and what KernelSet counts, which for smooth motion is that of the last
 /// instant. The stages overlap in one case: "kernels" of smooth motion is part of the other two.
 ///
-/// Errors: options or scene out of range, and not enough memory.
+/// A scene of Gaussian splats is that of render_splat_reference(), with its statistics.
+///
+/// Errors: options or scene out of range, splats and discs in one scene, and not enough memory.
 [[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options);
 
 /// The same for given kernels: film, background and image model are the scene's, all else is the kernels'.
