@@ -333,7 +333,7 @@ TEST(SplatEngine, BlursTheTrainedHeadToTheDefaultError) {
     scene.camera.look_ats = {from, to};
     const Rendered result = rendered(scene);
     EXPECT_GE(psnr_db(result.image, rendered(scene, samples(256)).image), 60.0) << way.transpose();
-    EXPECT_LE(test::counter(result, "instants_per_pixel"), 24.0) << way.transpose();
+    EXPECT_LE(test::counter(result, "instants_per_pixel"), 32.0) << way.transpose();
   }
 }
 

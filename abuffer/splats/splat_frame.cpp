@@ -189,6 +189,9 @@ void SplatFrame::plan() {
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
   allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+  // A jump is off by up to 3 times its mean square, and where all pixels jump at once they do not make up for
+  // each other.
+  if (motion_ != nullptr && motion_->jumps()) allowed_mean_square_ /= 3.0;
 }
 
 /// Draws what every cell still lacks. False: the render was stopped.
