@@ -350,9 +350,13 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
                                 const RenderControl& control) {
   const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
                                      [](const Object& object) { return object.splats.size() > 0; });
-  if (of_splats && options.max_seconds > 0.0)
-    return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
-  if (of_splats && options.error_layers) return Error{"", "error_layers", "are not known of splats yet"};
+  if (of_splats) {
+    if (Status status = scene.validate(); !status) return status.error();
+    if (Status status = check_splats(scene); !status) return status.error();
+    if (options.max_seconds > 0.0)
+      return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
+    if (options.error_layers) return Error{"", "error_layers", "are not known of splats yet"};
+  }
   return render_valid(scene, options, control, [&](const auto&... all) {
     return of_splats ? render_splats(all...) : Renderer(all...).render();
   });

@@ -71,4 +71,14 @@ Status Scene::validate() const {
   return Done{};
 }
 
+Status refuse_splats(const Scene& scene, std::string_view renderer) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (scene.objects[i].splats.size() > 0)
+      return bad("/objects/" + std::to_string(i), "is made of Gaussian splats, which " +
+                                                      std::string(renderer) +
+                                                      " does not draw; --method sampled does, and \"draw\": "
+                                                      "\"surfels\" has them read as discs");
+  return Done{};
+}
+
 }  // namespace swept

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -90,5 +91,9 @@ struct Scene {
   /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
   [[nodiscard]] Status validate() const;
 };
+
+/// An error that names the first object of splats, of a renderer that draws none: "…, which `renderer` does
+/// not draw".
+[[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

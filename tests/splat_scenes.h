@@ -84,4 +84,28 @@ inline Scene one_splat(const Eigen::Vector3d& position, float sigma, float opaci
   return scene;
 }
 
+/// Splats of all sizes, shapes and opacities around (0, 0, 7), of degree 3, in motion over one frame.
+inline Scene random_splats(std::size_t count, unsigned seed, float size = 0.1f) {
+  Scene scene;
+  scene.film = {150, 100, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats = {looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 50.0)};
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<float> any(-1.0f, 1.0f);
+  const auto next = [&] { return any(generator); };
+  SplatCloud& cloud = scene.objects.emplace_back().splats;
+  cloud.degree = 3;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 7.0f + 3.0f * next(), x = 0.8f * z * next(), y = 0.55f * z * next();
+    cloud.position.push_back(Eigen::Vector3f(x, y, z).cast<double>());
+    const float longest = size * std::exp(1.5f * next());
+    cloud.scale.push_back(longest * Eigen::Vector3f(1.0f, std::exp(next() - 1.0f), std::exp(next() - 1.0f)));
+    cloud.rotation.push_back(Eigen::Quaternionf(next(), next(), next(), next()).normalized());
+    cloud.opacity.push_back(0.5f + 0.5f * next());
+    for (int k = 0; k < 48; ++k) cloud.harmonics.push_back((k < 3 ? 1.5f : 0.3f) * next());
+    cloud.velocity.push_back(0.5f * Eigen::Vector3f(next(), next(), next()));
+  }
+  return scene;
+}
+
 }  // namespace swept::test

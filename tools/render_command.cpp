@@ -52,7 +52,7 @@ int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
     const Result<const Scene*> scene = file.scene_at(output.frame, generate);
     if (!scene) return fail(scene.error());
     std::size_t points = 0;
-    for (const Object& object : (*scene)->objects) points += object.cloud.size();
+    for (const Object& object : (*scene)->objects) points += object.cloud.size() + object.splats.size();
     fmt::print("frame {}: render{} {} points\n", output.frame, name, points);
   }
   return 0;

@@ -103,6 +103,7 @@ class SplatFrame {
     while (std::any_of(cells_.begin(), cells_.end(), [](const CellWork& work) { return !work.done; })) {
       if (!render_round()) return Error{"", "", "the render was stopped"};
     }
+    if (control_.progress && told_ < 1.0) control_.progress(1.0);
     out.statistics.time("cells", watch.lap());
     describe(out.statistics);
     return out;
@@ -188,6 +189,9 @@ void SplatFrame::plan() {
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
   allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+  // A jump is off by up to 3 times its mean square, and where all pixels jump at once they do not make up for
+  // each other.
+  if (motion_ != nullptr && motion_->jumps()) allowed_mean_square_ /= 3.0;
 }
 
 /// Draws what every cell still lacks. False: the render was stopped.
@@ -336,6 +340,24 @@ void SplatFrame::describe(Statistics& s) const {
 }
 
 }  // namespace
+
+Status check_splats(const Scene& scene) {
+  const Object* first = nullptr;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    const std::string field = "/objects/" + std::to_string(i);
+    if (object.cloud.size() > 0)
+      return Error{"", field, "is made of discs, which are not drawn together with Gaussian splats"};
+    if (object.splats.size() == 0) continue;
+    if (first != nullptr && scene.splats.blending == SplatBlending::file &&
+        first->splats.colors != object.splats.colors)
+      return Error{"", field,
+                   "is blended in other values than another object's splats; say in which with "
+                   "/splats/blending"};
+    first = &object;
+  }
+  return Done{};
+}
 
 Result<Rendered> render_splats(const Scene& scene, const SampledOptions& options,
                                const RenderControl& control) {

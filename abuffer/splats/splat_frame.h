@@ -5,7 +5,10 @@
 
 namespace swept {
 
-/// As render_sampled(), of a scene that is valid and has splats and no discs. Runs in the caller's task
+/// Whether render_splats() draws a scene that has splats.
+[[nodiscard]] Status check_splats(const Scene& scene);
+
+/// As render_sampled(), of a scene that is valid and passes check_splats(). Runs in the caller's task
 /// arena.
 [[nodiscard]] Result<Rendered> render_splats(const Scene& scene, const SampledOptions& options,
                                              const RenderControl& control);

@@ -97,7 +97,7 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
                          const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
   std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
   // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
-  bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
+  const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
   if (frames.empty()) frames = {exposure.open, exposure.close};
   std::vector<SplatPose> poses;
   poses.reserve(2 * frames.size());
@@ -110,7 +110,7 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
 
   spreads.assign(set.count * static_cast<std::size_t>(packet_size), 0.0f);
   std::vector<std::atomic<char>> touched(grid.size());
-  std::atomic<bool> lost{anywhere};
+  std::atomic<bool> lost{anywhere}, jumps{jumps_};
   std::atomic<float> fastest{fastest_px_}, widest{fastest_spread_};
   parallel_for_each_index((set.count + packets_a_run - 1) / packets_a_run, [&](std::size_t r) {
     std::vector<PlacedLanes> at(poses.size());
@@ -126,7 +126,13 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
         for (std::size_t k = 0; k + 1 < at.size(); ++k) {
           if (!seen(k) || !seen(k + 1)) {
             // Through the near plane, or from far away.
-            if (seen(k) != seen(k + 1)) lost.store(true, std::memory_order_relaxed);
+            if (seen(k) != seen(k + 1)) {
+              lost.store(true, std::memory_order_relaxed);
+              const PlacedSplat& one = at[seen(k) ? k : k + 1].lanes[lane];
+              if (one.x_last >= shift_x && one.x_first < shift_x + grid.film.width && one.y_last >= shift_y &&
+                  one.y_first < shift_y + grid.film.height)
+                jumps.store(true, std::memory_order_relaxed);
+            }
             continue;
           }
           const PlacedSplat &a = at[k].lanes[lane], &b = at[k + 1].lanes[lane];
@@ -160,6 +166,7 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
       }
     }
   });
+  jumps_ = jumps;
   fastest_px_ = fastest, fastest_spread_ = widest;
   for (std::size_t cell = 0; cell < grid.size(); ++cell)
     if (lost || touched[cell] != 0) touched_[cell] = 1;

@@ -26,6 +26,8 @@ class SplatMotion {
   /// Most of what its pixels see at the exposure's ends and in its middle: √(Σ α T r²), r the motion of a
   /// splat in its own standard deviations, over every fourth pixel each way.
   [[nodiscard]] float spread(std::size_t cell) const { return spread_[cell]; }
+  /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
+  [[nodiscard]] bool jumps() const { return jumps_; }
   /// The longest way of a splat on the film, px, and the same in its standard deviations.
   [[nodiscard]] float fastest_px() const { return fastest_px_; }
   [[nodiscard]] float fastest_spread() const { return fastest_spread_; }
@@ -39,6 +41,7 @@ class SplatMotion {
 
   std::vector<char> touched_;
   std::vector<float> spread_;
+  bool jumps_ = false;
   float fastest_px_ = 0.0f, fastest_spread_ = 0.0f;
 };
 
