@@ -117,6 +117,10 @@ class Renderer {
     SampledCounters total;
     for (const SampledCell& cell : cells) total.add(cell.counters);
     describe(objects, total, maths.first[which], out.statistics);
+    for (std::size_t i = 0; i < results_.size(); ++i) {
+      const Cell cell = bins.cell(window_cells_[i]);
+      out.parts.push_back({cell.x, cell.y, cell.width, cell.height, results_[i].instants});
+    }
     return out;
   }
 

@@ -33,7 +33,7 @@ struct SampledOptions {
 ///
 /// Statistics: "instants" cells × instants, "instants_per_pixel" their mean over the film's window,
 /// "most_instants" in any cell, and with max_error_db "expected_rmse" and "expected_psnr_db" of the window,
-/// estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
+/// estimated from alternating sums of the instants, and "expected_worst_cell_rmse". Rendered::parts are the cells.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

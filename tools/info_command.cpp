@@ -167,6 +167,13 @@ int info(const InfoArguments& arguments) {
 void add_info_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene file holds and what it resolves to");
+  command->footer(
+      std::string("Examples:\n"
+                  "  swept info cloud.ply                  what would be drawn of it, and what was assumed\n"
+                  "  swept info scene.json --frame 12 --json\n"
+                  "  swept info --gpus                     devices of the GPU modes\n"
+                  "\n") +
+      exit_codes_help);
   auto* scene =
       command->add_option("scene", arguments->scene, "The scene file, or the points alone, as for render")
           ->type_name("SCENE");
