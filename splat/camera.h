@@ -56,7 +56,7 @@ struct CameraKey {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world space
   Eigen::Quaterniond world_from_camera{1.0, 0.0, 0.0, 0.0};  ///< unit; camera axes as above
   double tan_half_fov_y = 0.5;  ///< half the film's height to the focal length along y
-  Lens lens;
+  Lens lens{};
 };
 
 /// How keys are joined: `pose` interpolates eye and orientation (slerp); `look_at` interpolates eye,
@@ -67,7 +67,7 @@ struct LookAtKey {
   double tan_half_fov_y = 0.5;
   double roll_radians =
       0.0;  ///< clockwise about the view direction, as seen along it; the picture turns against it
-  Lens lens;
+  Lens lens{};
 };
 
 /// The camera at one instant.
@@ -78,7 +78,7 @@ struct CameraInstant {
   Eigen::Affine3d camera_from_world;              ///< rigid; translation() == -linear() * eye
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< world space
   double tan_half_fov_y = 0.5;
-  Lens lens;
+  Lens lens{};
 };
 
 /// Exactly one of the two lists is non-empty, at strictly increasing frames; held outside.

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "splat/camera.h"
 #include "splat/result.h"
 
 namespace swept {
+
+/// One more number of each pixel, by the name that an EXR has it by: "normal.x".
+struct ImageChannel {
+  std::string name;
+  std::vector<float> values;
+};
 
 /// A window of the film: linear, premultiplied RGBA and depth, rows top to bottom.
 struct Image {
@@ -17,13 +24,14 @@ struct Image {
   /// Camera-space z, the mean over exposure and surfaces weighted by what each adds to alpha; +∞ where
   /// nothing is seen.
   std::vector<float> depth;
+  std::vector<ImageChannel> channels = {};  ///< besides R, G, B, A and Z
 
   [[nodiscard]] std::size_t pixel_count() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
 
-  /// Window and film hold at least a pixel, and the arrays fit the window; depth may be missing (empty).
-  /// Pixel values are free. The error's field names the member.
+  /// Window and film hold at least a pixel, and the arrays fit the window; depth may be missing (empty),
+  /// and channels have names, each another. Pixel values are free. The error's field names the member.
   [[nodiscard]] Status validate() const;
 };
 

@@ -30,16 +30,16 @@ struct Statistics {
   }
 };
 
-/// A number for every pixel of an image besides its colour, row by row as in Image.
-struct PixelLayer {
-  std::string name;  ///< as in a file: "error", "instants"
-  std::vector<float> values;
+/// A rectangle of the film, px, and at how many instants it was looked at.
+struct FilmPart {
+  int x = 0, y = 0, width = 0, height = 0;
+  int instants = 0;
 };
 
 struct Rendered {
   Image image;
   Statistics statistics;
-  std::vector<PixelLayer> layers = {};  ///< those that were asked for
+  std::vector<FilmPart> parts = {};  ///< that cover the window; empty: the renderer does not tell
 };
 
 }  // namespace swept

@@ -173,6 +173,16 @@ TEST_F(Command, HelpAndVersionExitWith0) {
   }
 }
 
+TEST_F(Command, HelpHasExamplesAndExitCodes) {
+  for (const std::string command : {"render", "info", "init", "compare", "study", "completion", "schema"}) {
+    const Outcome outcome = swept({command, "--help"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out.find("\n  swept " + command), std::string::npos) << command;
+    EXPECT_NE(outcome.out.find("Exit codes: 0 done, 1 something failed, 2 bad arguments."), std::string::npos)
+        << command;
+  }
+}
+
 TEST_F(Command, RendersWithBothMethods) {
   for (const std::string method : {"abuffer", "reference"}) {
     const Outcome outcome =

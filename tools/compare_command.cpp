@@ -131,6 +131,12 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
       "compare", "Compare two EXR images on linear RGB: RMSE, PSNR (peak 1), SSIM, FLIP, worst pixel");
+  command->footer(
+      std::string("Examples:\n"
+                  "  swept compare right.exr other.exr\n"
+                  "  swept compare right.exr other.exr --min-psnr 60 --difference apart.png --scale 10\n"
+                  "\n") +
+      exit_codes_help);
   command->add_option("a", arguments->a, "The image that is right")->required();
   command->add_option("b", arguments->b, "The image to judge")->required();
   command->add_flag(

@@ -6,6 +6,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "tools/console.h"
+
 namespace swept {
 namespace {
 
@@ -48,8 +50,10 @@ void add_completion_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("completion", "Print a script that completes words in a shell");
   command->add_option("shell", *shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
   command->footer(
-      "Examples:\n  source <(swept completion bash)\n  swept completion zsh > ~/.zsh/swept && source "
-      "~/.zsh/swept");
+      std::string(
+          "Examples:\n  source <(swept completion bash)\n  swept completion zsh > ~/.zsh/swept && source "
+          "~/.zsh/swept\n\n") +
+      exit_codes_help);
   command->callback([shell, &app] { fmt::print("{}", completion_script(app, *shell == "zsh")); });
 }
 

@@ -18,6 +18,9 @@ void log(fmt::format_string<Args...> format, Args&&... args) {
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
+/// Ends the help of every command.
+inline constexpr const char* exit_codes_help = "Exit codes: 0 done, 1 something failed, 2 bad arguments.";
+
 /// Makes stdin, stdout and stderr safe to use whatever the caller left of them, and signals that end the
 /// process take its unfinished files away first. Once, before anything is opened.
 void prepare_console();

@@ -58,6 +58,11 @@ void add_init_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<InitArguments>();
   CLI::App* command =
       app.add_subcommand("init", "Write the scene file by which points are drawn, to go on from");
+  command->footer(std::string("Examples:\n"
+                              "  swept init cloud.ply -o scene.json\n"
+                              "  swept init 'anim.%04d.ply' -o scene.json --up z\n"
+                              "\n") +
+                  exit_codes_help);
   command->add_option("points", arguments->points, "A point file, or numbered ones as anim.%04d.ply")
       ->required()
       ->type_name("POINTS");

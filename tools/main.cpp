@@ -16,6 +16,7 @@
 #include "tools/info_command.h"
 #include "tools/init_command.h"
 #include "tools/render_command.h"
+#include "tools/scene_schema.h"
 #include "tools/study/study_command.h"
 #include "tools/study/worker.h"
 
@@ -76,6 +77,9 @@ int run(int argc, char** argv) {
     swept::add_study_command(app, exit_code);
     swept::add_study_worker_command(app, exit_code);
     swept::add_completion_command(app);
+    CLI::App* schema = app.add_subcommand("schema", "Print a JSON schema of scene files, for editors");
+    schema->footer(std::string("Example:\n  swept schema > scene.schema.json\n\n") + swept::exit_codes_help);
+    schema->callback([] { fmt::print("{}", swept::scene_schema()); });
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" with code 0.

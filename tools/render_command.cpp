@@ -34,6 +34,7 @@ struct RenderArguments {
   RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
   std::shared_ptr<const MethodChoice> method;
+  std::shared_ptr<const LayerOptions> layers;
 };
 
 int fail(const Error& error, int exit_code = 1) {
@@ -66,6 +67,8 @@ void check_arguments(const RenderArguments& arguments) {
     if (!path.empty() && std::filesystem::path(path).extension() != extension)
       throw CLI::ValidationError(option, fmt::format("must end in {}: {}", extension, path));
   };
+  if (arguments.method->method != "sampled" && (arguments.layers->samples || arguments.layers->error))
+    throw CLI::ValidationError("--layers", "samples and error go with --method sampled");
   check_extension("--output", arguments.output, ".exr");
   check_extension("--preview", arguments.preview, ".png");
   check_extension("--stats-json", arguments.stats, ".json");
@@ -81,7 +84,7 @@ Status check_stats_path(const RenderArguments& arguments, Existing existing) {
 
 /// What besides the scene tells this picture from others.
 std::string picture_of(const RenderArguments& arguments, const PreparedMethod& method) {
-  return method.picture + (arguments.half ? ", half floats" : "");
+  return method.picture + (arguments.half ? ", half floats" : "") + arguments.layers->text();
 }
 
 int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const PreparedMethod& method,
@@ -91,6 +94,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   run.scene = arguments.scene;
   run.method = arguments.method->method;
   run.picture = picture_of(arguments, method);
+  run.layers = *arguments.layers;
+  run.layer_control.threads = arguments.control.threads;
   run.pixels = arguments.half ? ExrPixels::float16 : ExrPixels::float32;
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
@@ -107,7 +112,9 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
 
 int render(const RenderArguments& arguments) {
   check_arguments(arguments);
-  const Result<PreparedMethod> method = prepare_method(*arguments.method, arguments.control);
+  MethodChoice choice = *arguments.method;
+  choice.arguments.expect_error = arguments.layers->error;
+  const Result<PreparedMethod> method = prepare_method(choice, arguments.control);
   if (!method) throw CLI::ValidationError(method.error().field, method.error().reason);
   std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());
   // What the command line alone gets wrong is found without the scene.
@@ -141,11 +148,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Render frames of a scene file to OpenEXR");
   command->footer(
-      "Examples:\n"
-      "  swept render scene.json -o f.%04d.exr --frames 1-48 --skip-existing   go on where a run stopped\n"
-      "  swept render cloud.ply -o cloud.exr --preview cloud.png   the points as they are\n"
-      "  swept render scene.json -o small.exr --preview small.png --size 320x180\n\n"
-      "Exit codes: 0 done, 1 something failed, 2 bad arguments.");
+      std::string("Examples:\n"
+                  "  swept render scene.json -o f.%04d.exr --frames 1-48 --skip-existing   go on where a run "
+                  "stopped\n"
+                  "  swept render cloud.ply -o cloud.exr --preview cloud.png   the points as they are\n"
+                  "  swept render scene.json -o small.exr --preview small.png --size 320x180\n\n") +
+      exit_codes_help);
   command
       ->add_option("scene", arguments->scene,
                    "The scene file, or the points alone: a point file, or numbered ones as anim.%04d.ply")
@@ -172,6 +180,7 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->type_name("RANGES");
   command->add_flag("--half", arguments->half,
                     "Write colours and alpha as half floats: 11 bits, 65504 at most; depth stays float");
+  arguments->layers = add_layer_options(*command);
   auto* overwrite = command->add_flag("--overwrite", arguments->overwrite, "Replace files that exist");
   command
       ->add_flag("--skip-existing", arguments->skip_existing,

@@ -42,6 +42,7 @@ struct PendingFrame {
   const FrameOutput* output = nullptr;
   ImageMetadata metadata;
   FrameStatistics* statistics = nullptr;
+  std::vector<ImageChannel> layers;
 };
 
 class FrameLoop {
@@ -60,15 +61,18 @@ class FrameLoop {
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
+    Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
+    if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
-    pending_.push_back({&output, metadata_of(**scene, statistics.scene_hash, run_), &statistics});
+    pending_.push_back(
+        {&output, metadata_of(**scene, statistics.scene_hash, run_), &statistics, std::move(*layers)});
     return Done{};
   }
 
   /// Writes the oldest frames until `most` are left.
   Status finish_all_but(std::size_t most) {
     while (pending_.size() > most) {
-      const PendingFrame frame = std::move(pending_.front());
+      PendingFrame frame = std::move(pending_.front());
       pending_.pop_front();
       if (Status status = finish(frame); !status) return of_frame(*frame.output, status.error());
     }
@@ -76,7 +80,7 @@ class FrameLoop {
   }
 
  private:
-  Status finish(const PendingFrame& frame) {
+  Status finish(PendingFrame& frame) {
     FrameStatistics& statistics = *frame.statistics;
     const FrameOutput& output = *frame.output;
     Stopwatch watch;
@@ -84,6 +88,8 @@ class FrameLoop {
     if (!rendered) return rendered.error();
     statistics.render_seconds += watch.lap();
     statistics.statistics = std::move(rendered->statistics);
+    rendered->image.channels = std::move(frame.layers);
+    if (run_.layers.samples) rendered->image.channels.push_back(samples_channel(*rendered));
     // The image last: whoever finds it finds the frame done.
     if (!output.preview.empty())
       if (Status written = write_png(output.preview, rendered->image, output.preview_exists); !written)

@@ -8,6 +8,7 @@
 #include "splat/io/image_file.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
+#include "tools/layer_options.h"
 
 namespace swept {
 
@@ -24,6 +25,8 @@ struct RunStatistics {
   std::string software, scene, method;
   std::string picture;  ///< the method with what of its options is in the image, one line
   ExrPixels pixels = ExrPixels::float32;
+  LayerOptions layers;
+  RenderControl layer_control;
   int width = 0, height = 0;                            ///< of the film, px
   std::vector<std::pair<std::string, double>> options;  ///< of the method
   double peak_memory_bytes = 0.0;                       ///< resident, of the whole process

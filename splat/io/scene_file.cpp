@@ -67,9 +67,11 @@ void parse_version(const JsonNode& root) {
 void parse_scene(const JsonNode& root, const std::string& folder, const SceneOverrides& overrides,
                  Scene& scene, std::vector<ObjectSource>& sources) {
   parse_version(root);
-  std::vector<std::string_view> known = {"swept", "frame", "camera", "objects"};
+  std::vector<std::string_view> known = {"$schema", "swept", "frame", "camera", "objects"};
   for (const std::string_view name : io::root_field_names()) known.push_back(name);
   root.expect_keys(known);
+  // For editors.
+  if (const auto schema = root.find("$schema")) static_cast<void>(schema->string());
   io::parse_fields(root, scene);
   // Before the camera, whose field of view may be that of another axis.
   override_fields(overrides.fields, root.file(), scene);
@@ -134,6 +136,7 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
         if (std::holds_alternative<FileSource>(source.points)) source.draw = overrides.draw;
     if (const Status valid = file.scene_.validate(); !valid)
       return Error{path, valid.error().field, valid.error().reason};
+    document->erase("$schema");
     file.canonical_ = document->dump() + '\n' + canonical(file.scene_, overrides);
     return file;
   });

@@ -156,6 +156,10 @@ void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata&
     header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
     frame.insert("Z", slice_of(Imf::FLOAT, image.depth, 0, 1, image));
   }
+  for (const ImageChannel& channel : image.channels) {
+    header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+    frame.insert(channel.name, slice_of(Imf::FLOAT, channel.values, 0, 1, image));
+  }
   Imf::OutputFile file(stream, header, 0);
   file.setFrameBuffer(frame);
   file.writePixels(image.height);

@@ -13,7 +13,7 @@ install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
 foreach(header atomic_file cloud_source image_file point_file read_report scene_file sequence splat_file surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()
-install(FILES abuffer/abuffer.h abuffer/sampled.h DESTINATION ${swept_include}/abuffer)
+install(FILES abuffer/abuffer.h abuffer/layers.h abuffer/sampled.h DESTINATION ${swept_include}/abuffer)
 install(FILES abuffer/reference/reference.h DESTINATION ${swept_include}/abuffer/reference)
 
 set(swept_libraries splat io abuffer)
@@ -45,4 +45,5 @@ install(FILES ${PROJECT_BINARY_DIR}/sweptConfig.cmake ${PROJECT_BINARY_DIR}/swep
 
 if(SWEPT_BUILD_TOOLS)
   install(TARGETS swept_cli)
+  install(FILES ${SWEPT_MAN_PAGES} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()

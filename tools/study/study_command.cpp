@@ -167,6 +167,12 @@ void add_study_command(CLI::App& app, int& exit_code) {
   StudyOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "study", "Measure how wrong every method is on scenes, and how long it takes; started again, goes on");
+  command->footer(std::string("Examples:\n"
+                              "  swept study -o study --quick             some two minutes, over the scenes "
+                              "that come with the program\n"
+                              "  swept study scene.json -o study --methods sampled,abuffer\n"
+                              "\n") +
+                  exit_codes_help);
   command->add_option("scene", options.scenes, "Scene files; by default the seven that come with the program")
       ->type_name("FILE.json");
   command
