@@ -168,6 +168,22 @@ TEST_F(CloudCommand, DrawsARobotsCloudWithIntensities) {
   for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(upper[channel], 1.0f, 0.02f);
 }
 
+TEST_F(CloudCommand, IntensitiesThatHardlyDifferAreLeftOut) {
+  const auto rows = [](const char* bright) {
+    return sphere(600, 0, 0, 0, true, [&](double, double, double z) { return z > 0.7 ? bright : " 0.5"; });
+  };
+  const std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz", "intensity"};
+  put(folder_ / "flat.ply", ply("", 600, names, rows(" 0.45")));
+  expect_said(drawn("flat.ply"), {"note: assumed: coloured by normals, for the intensities hardly differ\n",
+                                  "unread: intensity\n"});
+  // Of the side that is seen: the middle looks back at the eye.
+  const Result<Image> image = read_exr(folder_ / "a.exr");
+  ASSERT_TRUE(image.ok());
+  EXPECT_GT(image->rgba[4 * static_cast<std::size_t>(27 * 96 + 48) + 2], 0.9f);
+  put(folder_ / "told.ply", ply("", 600, names, rows(" 0.3")));
+  expect_said(drawn("told.ply"), {"an intensity of 0.5 is white"});
+}
+
 TEST_F(CloudCommand, DrawsASurveyInTheMillions) {
   std::string rows;
   for (int y = 0; y < 60; ++y)
@@ -319,6 +335,77 @@ TEST_F(CloudCommand, RefusesCamerasThatItHasNot) {
   std::string short_row = transforms(R"("camera_angle_x": 1)");
   short_row.replace(short_row.rfind("[1,0,0,0]"), 9, "[1,0,0]");
   expect_refused(short_row, "/frames/1/transform_matrix/0: ");
+}
+
+/// A fan of three cameras around the origin, z up, in the axes of OpenGL.
+std::string nerfstudio_cameras() {
+  std::string frames;
+  for (const double angle : {-0.3, 0.0, 0.3}) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    std::ostringstream matrix;
+    matrix << "[[" << c << ", 0, " << s << ", " << 4 * s << "], [" << s << ", 0, " << -c << ", " << -4 * c
+           << "], [0, 1, 0, 0], [0, 0, 0, 1]]";
+    if (!frames.empty()) frames += ',';
+    frames += "{\"file_path\": \"images/a.png\", \"transform_matrix\": " + matrix.str() + "}";
+  }
+  return R"({"camera_model": "OPENCV", "fl_x": 110.5, "fl_y": 110, "cx": 47, "cy": 28, "w": 96, "h": 54, "frames": [)" +
+         frames + "]}";
+}
+
+/// What is said in the README to work in one command does, on small files of the same kinds.
+TEST_F(CloudCommand, TheCommandsOfTheReadmeDraw) {
+  put(folder_ / "blender.ply", blender_ply());
+  for (int i = 1; i <= 4; ++i)
+    put(folder_ / ("particles.000" + std::to_string(i) + ".ply"),
+        ply("", 500, {"x", "y", "z", "v[0]", "v[1]", "v[2]", "Cd[0]", "Cd[1]", "Cd[2]", "pscale"},
+            sphere(500, 0.05 * i, 0, 0, false,
+                   [](double, double, double) { return " 1.2 0 0 0.5 0.25 0 0.1"; })));
+  put(folder_ / "sparse_pc.ply",
+      ply("", 800, {"x", "y", "z", "red", "green", "blue"},
+          sphere(800, 0, 0, 0, false, [](double, double, double z) { return z > 0 ? " 1 0 0" : " 0 0 1"; })));
+  put(folder_ / "transforms.json", nerfstudio_cameras());
+  put(folder_ / "scan.pcd",
+      "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 600\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 600\nDATA ascii\n" +
+          sphere(600, 10, 2, 0, false, [](double, double, double z) { return z > 0 ? " 40" : " 20"; }));
+  std::string survey = "Easting,Northing,Elevation,Intensity\n";
+  for (int i = 0; i < 4800; ++i)
+    survey += std::to_string(512345.25 + 0.25 * (i % 80)) + ',' +
+              std::to_string(5412345.75 + 0.25 * (i / 80)) + ',' + std::to_string(310.0 + 0.01 * (i % 80)) +
+              ',' + std::to_string(i % 200) + '\n';
+  put(folder_ / "survey.txt", survey);
+
+  std::istringstream readme(test::content_of(SWEPT_README));
+  std::vector<std::string> commands;
+  for (std::string line; std::getline(readme, line);) {
+    const bool ours = line.starts_with("swept render ") && line.find(" # ") != std::string::npos;
+    for (const char* name : {"blender.ply", "particles.", "sparse_pc.ply", "scan.pcd", "survey.txt"})
+      if (ours && line.find(name) != std::string::npos) commands.push_back(line.substr(0, line.find(" # ")));
+  }
+  ASSERT_EQ(commands.size(), 5u);
+  for (std::string command : commands) {
+    command.replace(0, 5, SWEPT_COMMAND);
+    const std::string size = command.find("--camera") == std::string::npos ? " --size 96x54" : "";
+    const Outcome outcome = run_command("(cd '" + (folder_ / "") + "' && " + command + size + ")");
+    EXPECT_EQ(outcome.exit_code, 0) << command << '\n' << outcome.err;
+  }
+  for (const char* name : {"blender.exr", "particles.0002.exr", "scan.exr", "survey.exr"})
+    expect_well_framed(name);
+  for (const char* name : {"blender.png", "particles.0003.png", "export.png", "scan.png", "survey.png"})
+    EXPECT_TRUE(folder_.names().contains(name)) << name;
+  // The camera's second frame looks along y from −4: a ball of 110/√15 px about its principal point.
+  const Result<Image> image = read_exr(folder_ / "export.exr");
+  ASSERT_TRUE(image.ok()) << image.error().message();
+  double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
+  for (std::size_t i = 0; i < image->pixel_count(); ++i) {
+    const auto alpha = static_cast<double>(image->rgba[4 * i + 3]);
+    sum += alpha;
+    sum_x += alpha * (static_cast<double>(i % 96) + 0.5);
+    sum_y += alpha * (static_cast<double>(i / 96) + 0.5);
+  }
+  EXPECT_EQ(image->width, 96);
+  EXPECT_NEAR(sum_x / sum, 47.0, 1.0);
+  EXPECT_NEAR(sum_y / sum, 28.0, 1.0);
 }
 
 TEST_F(CloudCommand, FailuresNameTheFileAndTheReason) {

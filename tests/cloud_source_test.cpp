@@ -62,6 +62,30 @@ TEST_F(CloudSourceTest, OverridesReplaceRadiiAndColours) {
   }
 }
 
+TEST_F(CloudSourceTest, NormalsThatAreEstimatedShowTheSideAskedFor) {
+  // A wall in x and z, whose normal is y or −y.
+  std::vector<std::vector<double>> rows;
+  for (int i = 0; i < 36; ++i) rows.push_back({i % 6 + 0.1 * (i / 6 % 2), 0, i / 6 + 0.0});
+  CloudSource source;
+  source.files = {{0.0, write("wall.ply", float_ply("ascii", {"x", "y", "z"}, rows))}};
+  source.color_by_normals = true;
+  for (const double side : {1.0, -1.0}) {
+    source.normals_toward = {0.3, 5.0 * side, -0.4};
+    const Result<LoadedCloud> loaded = read_cloud(source, 0, 0);
+    ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+    for (const Vector3f& color : loaded->cloud.color)
+      EXPECT_LT((color - Vector3f(0.5f, side > 0.0 ? 1.0f : 0.0f, 0.5f)).norm(), 1e-5f);
+  }
+  // Of a mesh the triangles say it, for the vertex without any too: it is no guess.
+  source.files = {
+      {0.0, write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 0 0.4\nf 1 2 3\nf 1 3 4\n")}};
+  source.normals_toward = {0, 1, 0};
+  const Result<LoadedCloud> mesh = read_cloud(source, 0, 0);
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message();
+  for (const Vector3f& color : mesh->cloud.color)
+    EXPECT_LT((color - Vector3f(0.5f, 0.0f, 0.5f)).norm(), 1e-5f);
+}
+
 TEST_F(CloudSourceTest, OnlyTheKeysAroundTheIntervalAreRead) {
   CloudSource source;
   for (int k = 0; k < 6; ++k) {

@@ -78,6 +78,8 @@ const BadScene bad_scenes[] = {
      "\"intrinsics\": {\"fx\": 1, \"width\": 640, \"height\": 480, \"cy\": 1e9}",
      "/camera/keys/0/intrinsics/cy", "1000 heights"},
     {"roll", "\"up\": [0, 1, 0]", "\"up\": [0, 1, 0], \"roll\": 1e30", "/camera/keys/0/roll", "roll"},
+    {"direction of normals", "\"facing\": \"one_sided\"", "\"color\": {\"normals\": [0, 0, 0]}",
+     "/objects/0/color/normals", "direction is zero"},
     {"near of zero", "\"near\": 0.01", "\"near\": 0", "/camera/near", "above 0"},
     {"no keys", "\"keys\": [{\"frame\": 1,", "\"keys\": [], \"near2\": [{\"frame\": 1,", "/camera/near2",
      "unknown"},

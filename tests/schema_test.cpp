@@ -127,7 +127,8 @@ json full_scene() {
                  "transform": {"keys": [{"rotate": {"axis": [0, 1, 0], "degrees": 5}, "scale": 2}]}},
                 {"source": {"sequence": "a.%04d.ply"}, "color": "normals",
                  "transform": {"rotate": {"axis": [0, 1, 0], "degrees": 5}, "scale": [1, 2, 3]}},
-                {"source": {"generator": "sphere", "points": 9, "radius": 2}, "color": [1, 0, 0]}]})");
+                {"source": {"generator": "sphere", "points": 9, "radius": 2}, "color": [1, 0, 0]},
+                {"source": {"file": "b.ply"}, "color": {"normals": [0, 0, 1]}}]})");
 }
 
 /// The keys that the reader lists when it meets one that it does not know.
@@ -162,6 +163,7 @@ TEST(Schema, KnowsTheKeysOfTheReader) {
                                                  {"/camera/keys/0", camera["keys"]["items"]},
                                                  {"/camera/keys/0/intrinsics", camera["intrinsics"]},
                                                  {"/objects/0", properties["objects"]["items"]},
+                                                 {"/objects/3/color", object["color"]["anyOf"][2]},
                                                  {"/objects/0/source", sources[1]},
                                                  {"/objects/1/source", sources[2]},
                                                  {"/objects/0/velocity", object["velocity"]},
@@ -199,6 +201,7 @@ TEST(Schema, MarksWhatTheReaderRefuses) {
                                                  {"/objects/0/velocity/unit", "per_hour"},
                                                  {"/objects/0/segments", 0},
                                                  {"/objects/1/color", "normal"},
+                                                 {"/objects/3/color/normals", json{0, 1}},
                                                  {"/$schema", 1},
                                                  {"/objects", 1}};
   for (const auto& [pointer, value] : faults) {

@@ -38,23 +38,35 @@ struct Sample {
   std::vector<std::string> properties;  ///< of the first file, read or not
   std::size_t dropped = 0;
   double white = 0.0;        ///< the stored intensity to show as white, if intensities are shown
+  bool flat = false;         ///< there are intensities, and they hardly differ
   std::vector<int> numbers;  ///< of the files of a sequence that were looked at
   int first = 0;             ///< number in the sequence
 };
 
-/// Nearly the brightest: few scans use all of their range, and some points outshine all others by far.
-Result<double> white_of(const std::string& path, bool skip_invalid) {
+/// Stored intensities.
+struct Brightness {
+  double white =
+      0.0;  ///< nearly the brightest: few scans use all of their range, and some points outshine all
+  bool flat = false;  ///< most are so near each other that a picture of them shows noise
+};
+
+Result<Brightness> brightness_of(const std::string& path, bool skip_invalid) {
   ReadOptions as_stored;
   as_stored.skip_invalid = skip_invalid;
   as_stored.color_range = 1.0;
   as_stored.color_space = ColorSpace::linear;
   Result<PointSet> set = read_points(path, as_stored);
   if (!set) return set.error();
-  if (set->color.empty()) return 0.0;
-  const auto rank = set->color.begin() + static_cast<std::ptrdiff_t>(set->size() - 1 - set->size() / 50);
-  std::nth_element(set->color.begin(), rank, set->color.end(),
-                   [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); });
-  return static_cast<double>(rank->x());
+  if (set->color.empty()) return Brightness{};
+  const auto percentile = [&](std::size_t percent) {
+    const auto rank = set->color.begin() +
+                      static_cast<std::ptrdiff_t>(set->size() - 1 - set->size() * (100 - percent) / 100);
+    std::nth_element(set->color.begin(), rank, set->color.end(),
+                     [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); });
+    return static_cast<double>(rank->x());
+  };
+  const double white = percentile(98);
+  return Brightness{white, percentile(90) - percentile(10) < 0.25 * white};
 }
 
 /// Of trained splats; those that hardly show are no reason to stand far away, unless there are no others.
@@ -94,9 +106,11 @@ Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
   sample.colors = !set->color.empty();
   sample.gaussians = !set->axis_u.empty();
   if (sample.colors && !set->report.properties_of("intensity").empty()) {
-    const Result<double> white = white_of(path, skip_invalid);
-    if (!white) return white.error();
-    sample.white = *white;
+    const Result<Brightness> brightness = brightness_of(path, skip_invalid);
+    if (!brightness) return brightness.error();
+    sample.flat = brightness->flat;
+    sample.colors = !sample.flat;
+    sample.white = sample.flat ? 0.0 : brightness->white;
   }
   sample.properties = set->report.unread;
   for (const ReadReport::Use& use : set->report.used)
@@ -232,8 +246,10 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
   source[sample.numbers.empty() ? "file" : "sequence"] = path_from(folder, path);
   if (sample.dropped > 0) source["skip_invalid"] = true;
   if (sample.white > 0.0) source["color_range"] = sample.white;
+  if (sample.flat) source["attributes"] = {{"intensity", ""}};
   Json object = {{"name", std::filesystem::path(path).filename().string()}, {"source", source}};
-  if (!sample.colors) object["color"] = "normals";
+  // Of estimated normals the side that is seen.
+  if (!sample.colors) object["color"] = {{"normals", vector(framing.back)}};
   const int frame = sample.numbers.empty() ? 1 : sample.first;
   // A power of ten, a thousandth of the distance or less.
   const double near = std::pow(10.0, std::floor(std::log10(framing.distance)) - 3.0);
@@ -298,7 +314,9 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
              " that are far from the rest";
   if (overrides.camera_file.empty()) scene.assumed.push_back(std::move(frame));
   if (std::string line = defaults_line(overrides); !line.empty()) scene.assumed.push_back(std::move(line));
-  if (!sample->colors) scene.assumed.push_back("assumed: coloured by normals, for there are no colours");
+  if (!sample->colors)
+    scene.assumed.push_back(sample->flat ? "assumed: coloured by normals, for the intensities hardly differ"
+                                         : "assumed: coloured by normals, for there are no colours");
   if (sample->white > 0.0)
     scene.assumed.push_back("assumed: an intensity of " + shortest_text(sample->white) +
                             " is white, which 98% of the points do not exceed");

@@ -118,10 +118,12 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   if (source.color) loaded.cloud.color.assign(loaded.cloud.size(), *source.color);
   if (source.color_by_normals) {
     if (Status s = color_by_normals(loaded.cloud); !s) return s.error();
-    // Of two guesses neighbours should make the same one: that z is not negative, which is up or to the
-    // front.
+    // Of two guesses neighbours should make the same one. Vertices without triangles have made it already.
+    const Eigen::Vector3f toward = source.normals_toward.stableNormalized().cast<float>();
+    if (!set.triangle.empty()) discs.unoriented.clear();
     for (const std::size_t i : discs.unoriented)
-      if (Eigen::Vector3f& color = loaded.cloud.color[i]; color.z() < 0.5f)
+      if (Eigen::Vector3f& color = loaded.cloud.color[i];
+          (color - Eigen::Vector3f::Constant(0.5f)).dot(toward) < 0.0f)
         color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);

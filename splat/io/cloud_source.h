@@ -34,9 +34,10 @@ struct CloudSource {
   std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
   double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
   std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
-  /// As color_by_normals(), but of estimated normals, whose side is not known, the side toward +z; not
-  /// together with `color`.
+  /// As color_by_normals(), but of estimated normals, whose side is not known, the side toward
+  /// `normals_toward`; not together with `color`.
   bool color_by_normals = false;
+  Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
   bool skip_invalid = false;              ///< as ReadOptions::skip_invalid; single files only
   std::optional<double> color_range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space

@@ -63,6 +63,7 @@ Result<Framing> frame_points(const std::vector<Eigen::Vector3d>& points, double 
   if (near.empty()) near = points;
   Framing framing;
   framing.far = points.size() - near.size();
+  framing.back = back.unaryExpr([](double v) { return std::round(v * 1e3) / 1e3 + 0.0; });
 
   Eigen::Vector3d low = near.front(), high = near.front();
   for (const Eigen::Vector3d& p : near) {

@@ -19,6 +19,7 @@ struct Front {
 
 struct Framing {
   Eigen::Vector3d eye, target;
+  Eigen::Vector3d back;   ///< unit but for rounding, from the target to the eye
   double distance = 0.0;  ///< between the two, > 0
   std::size_t far = 0;    ///< points that are far from the rest and were not looked at
 };

@@ -41,7 +41,7 @@ struct ImageMetadata {
   /// For column vectors, mid-shutter; camera axes x right, y down, z forward, as everywhere in Swept.
   Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();
   double tan_half_fov_y = 0.0;  ///< of the whole film, mid-shutter; 0: not known
-  Lens lens{};                    ///< mid-shutter
+  Lens lens{};                  ///< mid-shutter
   double near = 1e-3;           ///< world units, > 0
   std::string scene_hash;
   std::string method;  ///< how the image was computed, with the options that are in it
@@ -53,16 +53,17 @@ enum class ExrPixels {
   float16,  ///< R G B A as half, rounded to nearest, beyond 65504 infinite; all else stays float32
 };
 
-/// R G B A, linear and premultiplied, Z if `image.depth` is not empty, and `image.channels` as float. The display window is the film,
-/// the data window the image's window of it. Errors: sizes that do not fit each other (field names the
-/// array), metadata out of range, and whatever the file system objects to.
+/// R G B A, linear and premultiplied, Z if `image.depth` is not empty, and `image.channels` as float. The
+/// display window is the film, the data window the image's window of it. Errors: sizes that do not fit each
+/// other (field names the array), metadata out of range, and whatever the file system objects to.
 [[nodiscard]] Status write_exr(const std::string& path, const Image& image,
                                const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32,
                                IfExists existing = IfExists::replace);
 
 /// Reads R, G, B and, where present, A and Z of the first part: scan lines or tiles, half, float or uint.
-/// Without A the image is opaque (1); without Z `depth` is empty. Other channels are left unread. The film is the display window and the
-/// image's window is relative to it, so x and y may be negative in a file with overscan.
+/// Without A the image is opaque (1); without Z `depth` is empty. Other channels are left unread. The film is
+/// the display window and the image's window is relative to it, so x and y may be negative in a file with
+/// overscan.
 ///
 /// Errors: missing, truncated and corrupt files, files without R, G or B, and windows of more pixels than
 /// the file's size can hold, whatever its header says.

@@ -55,6 +55,7 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.radius_scale = source.radius_scale;
   cloud.color = source.color;
   cloud.color_by_normals = source.color_by_normals;
+  cloud.normals_toward = source.normals_toward;
   cloud.delta = scene.model.delta;
   return cloud;
 }

@@ -187,6 +187,12 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
     if (color->is_array()) {
       source.color = color->vector3().cast<float>();
       if (!(source.color->cwiseAbs().maxCoeff() <= most_color)) color->fail("must be between -1e30 and 1e30");
+    } else if (color->is_object()) {
+      color->expect_keys({"normals"});
+      source.color_by_normals = true;
+      const JsonNode toward = color->require("normals");
+      source.normals_toward = toward.vector3();
+      if (source.normals_toward.isZero(0.0)) toward.fail("the direction is zero");
     } else {
       source.color_by_normals = color->one_of({"normals"}) == 0;
     }
