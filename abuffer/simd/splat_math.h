@@ -1,5 +1,5 @@
 // The hot arithmetic of Gaussian splats, over plain pointers: sixteen splats placed at an instant, and what
-// they show in one tile of the film. Source: model section 13.
+// they show in one tile of the film. Source: model section 14.
 //
 // Every implementation gives the same bits, as those of sampled_math.h do: lanes never meet, nothing is
 // contracted, and what is computed for a pixel depends on splats and pixel alone, never on the crop.

@@ -1,4 +1,4 @@
-// A frame of Gaussian splats: the mean of still images at instants of the exposure. Source: model section 13.
+// A frame of Gaussian splats: the mean of still images at instants of the exposure. Source: model section 14.
 #pragma once
 
 #include "abuffer/sampled.h"
