@@ -64,7 +64,7 @@ enum class SplatBlending {
   linear,  ///< of light
 };
 
-/// How Gaussian splats become a picture (model section 13): constants by which renderers differ. Defaults are
+/// How Gaussian splats become a picture (model section 14): constants by which renderers differ. Defaults are
 /// those of Kerbl et al. 2023. Ranges are in the table of splat/fields.h.
 struct SplatModel {
   double dilation_px2 = 0.3;       ///< added to the variances on the film

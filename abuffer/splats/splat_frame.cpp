@@ -6,6 +6,8 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -20,6 +22,7 @@
 #include "abuffer/splats/splat_motion.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
+#include "abuffer/splats/splat_surfaces.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -83,17 +86,19 @@ class SplatFrame {
         control_(control),
         exposure_(scene.exposure()),
         grid_(scene.film),
-        math_(math_for(options)),
+        math_(splat_maths().first[implementation_of(options, splat_maths().count)]),
         rule_(splat_rule(scene)),
         painters_([this] { return SplatPainter(math_, rule_); }) {}
 
   Result<Rendered> render() {
-    const std::size_t bytes = packed_splat_bytes(scene_);
+    const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the splats alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes"};
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
+    surfaces_ = std::make_unique<SplatSurfaces>(scene_, exposure_, options_.only_standing,
+                                                implementation_of(options_, sampled_maths().count));
     out.statistics.time("packets", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
@@ -110,12 +115,9 @@ class SplatFrame {
   }
 
  private:
-  static const SplatMath& math_for(const SampledOptions& options) {
-    const SplatMaths maths = splat_maths();
-    const std::size_t widest = maths.count - 1;
-    return maths.first[options.implementation < 0
-                           ? widest
-                           : std::min(static_cast<std::size_t>(options.implementation), widest)];
+  static std::size_t implementation_of(const SampledOptions& options, std::size_t count) {
+    return options.implementation < 0 ? count - 1
+                                      : std::min(static_cast<std::size_t>(options.implementation), count - 1);
   }
 
   [[nodiscard]] bool in_window(const Cell& cell) const {
@@ -130,6 +132,7 @@ class SplatFrame {
   }
 
   void plan();
+  void share_instants(int most);
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
@@ -146,6 +149,7 @@ class SplatFrame {
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
   std::unique_ptr<SplatMotion> motion_;
+  std::unique_ptr<SplatSurfaces> surfaces_;
   std::vector<CellWork> cells_;
   double allowed_mean_square_ = 0.0;
   Image* image_ = nullptr;
@@ -167,24 +171,23 @@ void SplatFrame::plan() {
     CellWork work;
     work.index = c;
     work.cell = grid_.cell(c);
+    const float surface_px = surfaces_->motion_px(c);
+    const bool splats_move = motion_ != nullptr && motion_->moves(c);
     // At an instant velocities have been followed up to it.
-    work.moves = any_moves && (motion_ == nullptr || motion_->moves(c));
-    if (motion_ != nullptr && work.moves) {
+    work.moves = exposure_.instant() ? any_moves : splats_move || surface_px > 0.0f;
+    if (work.moves && !exposure_.instant()) {
       moving_px += double{1.0} * work.cell.width * work.cell.height;
       work.adaptive = options_.samples == 0;
-      work.count =
-          work.adaptive ? first_splat_instants(motion_->spread(c), options_.max_error_db) : options_.samples;
+      work.count = options_.samples;
+      if (work.adaptive)
+        work.count =
+            std::max(first_instants(surface_px, options_.max_error_db),
+                     splats_move ? first_splat_instants(motion_->spread(c), options_.max_error_db) : 2);
       most = std::max(most, work.count);
     }
     if (in_window(work.cell)) cells_.push_back(std::move(work));
   }
-  // Halves of the largest number have their instants in common with each other, cell by cell.
-  for (CellWork& work : cells_) {
-    if (!work.adaptive) continue;
-    int count = most;
-    while (count % 2 == 0 && count / 2 >= std::max(2, work.count)) count /= 2;
-    work.count = count;
-  }
+  share_instants(most);
   for (const CellWork& work : cells_) planned_ += work.count;
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
@@ -192,6 +195,33 @@ void SplatFrame::plan() {
   // A jump is off by up to 3 times its mean square, and where all pixels jump at once they do not make up for
   // each other.
   if (motion_ != nullptr && motion_->jumps()) allowed_mean_square_ /= 3.0;
+}
+
+/// Cells that have a half, a quarter, … of the largest number of instants need fewer of them in all than
+/// cells that have as few as they can; but then some look at more. Whichever costs less.
+void SplatFrame::share_instants(int most) {
+  // Of placing a splat, and of drawing a pixel, in the mean over trained files: their ratio is what counts.
+  constexpr double place = 0.1, draw = 0.12;
+  double splats = 0.0;
+  for (const SplatPackets& set : sets_) splats += set.moves ? static_cast<double>(set.splats) : 0.0;
+  const auto half_of_most = [&](const CellWork& work) {
+    int count = most;
+    while (count % 2 == 0 && count / 2 >= std::max(2, work.count)) count /= 2;
+    return count;
+  };
+  const auto cost = [&](const auto& count_of) {
+    std::set<int> counts;
+    double px = 0.0;
+    for (const CellWork& work : cells_) {
+      if (!work.adaptive) continue;
+      counts.insert(count_of(work));
+      px += double{1.0} * count_of(work) * work.cell.width * work.cell.height;
+    }
+    return place * splats * std::accumulate(counts.begin(), counts.end(), 0.0) + draw * px;
+  };
+  const bool halves = cost(half_of_most) < cost([](const CellWork& work) { return work.count; });
+  for (CellWork& work : cells_)
+    if (work.adaptive && halves) work.count = half_of_most(work);
 }
 
 /// Draws what every cell still lacks. False: the render was stopped.
@@ -232,27 +262,35 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
     }
   }
   std::vector<SplatRow> rows(instants.size());
+  // One more, of cells in which nothing moves.
+  std::vector<std::vector<ObjectInstant>> objects(instants.size() + 1);
+  objects.back() = surfaces_->at(0.5);
   parallel_for_each_index(instants.size(), [&](std::size_t k) {
-    if (!control_.stop.stop_requested())
-      rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
+    if (control_.stop.stop_requested()) return;
+    objects[k] = surfaces_->at(instants[k].time());
+    rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
   });
   placed_instants_ += instants.size();
   static const SplatRow nothing;
+  static const std::vector<SampledCell::Surface> no_surfaces;
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, cells_.size(), 1), [&](const auto& range) {
     SplatPainter& painter = painters_.local();
     for (std::size_t c = range.begin(); c != range.end(); ++c) {
       CellWork& work = cells_[c];
       if (work.done || control_.stop.stop_requested()) continue;
       if (!work.sums) work.sums = std::make_unique<CellOfSplats>();
+      SampledCell* const discs = surfaces_->begin(work.index);
       const int first = work.next;
       while (work.next < work.round_size()) {
-        const SplatRow* row = &nothing;
+        std::size_t k = instants.size();
         if (work.moves) {
           const auto found = std::lower_bound(instants.begin(), instants.end(), work.instant(work.next));
           if (found == instants.end() || !(*found == work.instant(work.next))) break;
-          row = &rows[static_cast<std::size_t>(found - instants.begin())];
+          k = static_cast<std::size_t>(found - instants.begin());
         }
-        painter.add(work.cell, work.index, standing_, *row, work.weights(work.next), *work.sums);
+        painter.add(work.cell, work.index, standing_, k < rows.size() ? rows[k] : nothing,
+                    discs != nullptr ? discs->surfaces(objects[k]) : no_surfaces, work.weights(work.next),
+                    *work.sums);
         ++work.next;
       }
       work.instants += work.next - first;
@@ -318,6 +356,7 @@ void SplatFrame::describe(Statistics& s) const {
   for (const SplatPainter& painter : painters_) looks += static_cast<double>(painter.looks);
   s.count("splats", splats);
   s.count("splats_moving", moving);
+  s.count("surfels", static_cast<double>(surfaces_->discs()));
   s.count("packed_bytes", static_cast<double>(packed_splat_bytes(scene_)));
   s.count("instants_placed", static_cast<double>(placed_instants_));
   s.count("instants_per_pixel", instants / std::max(1.0, px));
@@ -346,8 +385,6 @@ Status check_splats(const Scene& scene) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];
     const std::string field = "/objects/" + std::to_string(i);
-    if (object.cloud.size() > 0)
-      return Error{"", field, "is made of discs, which are not drawn together with Gaussian splats"};
     if (object.splats.size() == 0) continue;
     if (first != nullptr && scene.splats.blending == SplatBlending::file &&
         first->splats.colors != object.splats.colors)
