@@ -5,12 +5,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
+#include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
@@ -52,12 +54,13 @@ struct Counters {
 class TileRenderer {
  public:
   TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
-               const AbufferOptions& options, const Image* standing, Image& image)
+               const AbufferOptions& options, std::stop_token stop, const Image* standing, Image& image)
       : set_(set),
         shades_(shades),
         background_(scene.background.cast<double>()),
         raster_{set.projection, set.near, scene.model.delta},
         fragment_limit_(options.tile_fragments),
+        stop_(std::move(stop)),
         standing_(standing),
         image_(image),
         per_pixel_(options.normalisation == Normalisation::pixel),
@@ -86,6 +89,7 @@ class TileRenderer {
 
   /// Halves the window until its fragments fit; a single pixel always does.
   void render_part(const Window& window, bool whole) {
+    if (stop_.stop_requested()) return;
     std::size_t bound = 0;
     for (const BoundedKernel& kernel : octagons_) bound += visited_pixels(kernel.octagon, window);
     if (bound > fragment_limit_ && window.width * window.height > 1) {
@@ -136,6 +140,7 @@ class TileRenderer {
     std::size_t local = 0;
     for (int y = window.y; y < window.y + window.height; ++y)
       for (int x = window.x; x < window.x + window.width; ++x, ++local) {
+        if (stop_.stop_requested()) return;
         std::uint32_t* indices = sorted_.data() + starts_[local];
         const std::size_t count = starts_[local + 1] - starts_[local];
         PixelSum pixel;
@@ -192,6 +197,7 @@ class TileRenderer {
   Eigen::Vector4d background_;
   RasterModel raster_;
   std::size_t fragment_limit_;
+  std::stop_token stop_;
   const Image* standing_;  ///< what does not move, where that is known; else null
   Image& image_;
   bool per_pixel_;
@@ -237,19 +243,19 @@ void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Sta
 
 /// What stands still, by the engine that makes still images: whatever they are part of, they have the same
 /// bits.
-Result<Rendered> render_standing(const Scene& scene, const AbufferOptions& options) {
+Result<Rendered> render_standing(const Scene& scene, const AbufferOptions& options,
+                                 const RenderControl& control) {
   SampledOptions instant;
   instant.samples = 1;
   instant.only_standing = true;
   if (!options.simd) instant.implementation = 0;
-  RenderControl control;
-  control.threads = options.threads;
   return render_sampled(scene, instant, control);
 }
 
 /// A scene in which nothing moves. What the sweep counts did not happen.
-Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options) {
-  Result<Rendered> rendered = render_standing(scene, options);
+Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options,
+                              const RenderControl& control) {
+  Result<Rendered> rendered = render_standing(scene, options, control);
   if (!rendered) return rendered;
   Statistics& s = rendered->statistics;
   const std::vector<float>& depth = rendered->image.depth;
@@ -263,9 +269,10 @@ Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options)
   return rendered;
 }
 
-Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options) {
+Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options,
+                                const RenderControl& control) {
   const bool per_interval = options.normalisation == Normalisation::interval;
-  if (per_interval && nothing_moves(scene, scene.exposure())) return render_still(scene, options);
+  if (per_interval && nothing_moves(scene, scene.exposure())) return render_still(scene, options, control);
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -282,25 +289,29 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   // Points that stand still in a cloud that moves are not in it, and then it is of no use.
   std::optional<Image> standing;
   if (set.standing_kernels > 0 && set.standing_kernels == set.still_kernels) {
-    Result<Rendered> rendered = render_standing(scene, options);
+    Result<Rendered> rendered =
+        render_standing(scene, options, {.threads = control.threads, .stop = control.stop});
     if (!rendered) return rendered;
     standing = std::move(rendered->image);
     out.statistics.time("what stands still", watch.lap());
   }
 
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  Counters total;
-  arena.execute([&] {
-    tbb::enumerable_thread_specific<TileRenderer> renderers([&] {
-      return TileRenderer(scene, set, shades, options, standing ? &*standing : nullptr, out.image);
-    });
-    parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
-      TileRenderer& renderer = renderers.local();
-      for (std::size_t tile = range.begin(); tile != range.end(); ++tile)
-        renderer.render(bins.window(tile), bins.kernels(tile));
-    });
-    for (const TileRenderer& renderer : renderers) total.add(renderer.counters);
+  tbb::enumerable_thread_specific<TileRenderer> renderers([&] {
+    return TileRenderer(scene, set, shades, options, control.stop, standing ? &*standing : nullptr,
+                        out.image);
   });
+  ProgressOf done(control, bins.tile_count());
+  parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
+    TileRenderer& renderer = renderers.local();
+    for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
+      if (control.stop.stop_requested()) return;
+      renderer.render(bins.window(tile), bins.kernels(tile));
+      done.one_more();
+    }
+  });
+  if (control.stop.stop_requested()) return stopped_error();
+  Counters total;
+  for (const TileRenderer& renderer : renderers) total.add(renderer.counters);
   out.statistics.time("tiles", watch.lap());
   out.statistics.time("rasterize, all threads", total.seconds_rasterize);
   out.statistics.time("resolve, all threads", total.seconds_resolve);
@@ -311,14 +322,15 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
 }  // namespace
 
 Status AbufferOptions::validate() const {
-  if (threads < 0 || threads > 1024) return Error{"", "threads", "must be in [0, 1024]"};
   if (tile_px < 1 || tile_px > 4096) return Error{"", "tile_px", "must be in [1, 4096]"};
   if (tile_fragments == 0) return Error{"", "tile_fragments", "must be at least 1"};
   return Done{};
 }
 
-Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options) {
-  return render_valid(scene, options, render_checked);
+Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options,
+                                const RenderControl& control) {
+  if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
+  return render_valid(scene, options, control, render_checked);
 }
 
 }  // namespace swept

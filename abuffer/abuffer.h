@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "splat/interval/composite.h"
+#include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
@@ -12,7 +13,6 @@ namespace swept {
 
 /// None of these changes a bit of the image but `normalisation`.
 struct AbufferOptions {
-  int threads = 0;   ///< 0: as many as the machine has
   int tile_px = 32;  ///< side of a tile; [1, 4096]
   std::size_t tile_fragments =
       1u << 20;      ///< fragments one thread may hold; a fuller tile is done in parts. > 0
@@ -24,6 +24,10 @@ struct AbufferOptions {
 
 /// Renders the scene's film window. The result is the same, bit for bit, for any thread count, tile size and
 /// order of the scene's points, and a crop equals those pixels of the whole frame.
-[[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {});
+///
+/// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
+/// control.max_bytes is not looked at: tile_fragments is what bounds memory beside the kernels.
+[[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},
+                                              const RenderControl& control = {});
 
 }  // namespace swept

@@ -4,24 +4,22 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <new>
+#include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
+#include "abuffer/progress_of.h"
+#include "abuffer/render_valid.h"
 #include "abuffer/resolve/sample_plan.h"
 #include "abuffer/resolve/sampled_cell.h"
 #include "abuffer/simd/sampled_math.h"
-#include "abuffer/sources/object_instant.h"
+#include "abuffer/sources/instant_table.h"
 #include "abuffer/sources/point_packets.h"
+#include "abuffer/splats/splat_frame.h"
 #include "abuffer/tiles/cells.h"
 #include "splat/stopwatch.h"
 
@@ -35,37 +33,14 @@ namespace {
 /// Instants are doubled at most to so many.
 constexpr int most_chosen = 1 << 14;
 
-/// All objects at a row of instants, made once and shared by the cells.
-class InstantTable {
- public:
-  InstantTable(const Scene& scene, const Exposure& exposure, const std::vector<PointPackets>& objects)
-      : scene_(scene), exposure_(exposure), objects_(objects) {}
-
-  /// The objects at shutter time `numerator` / `denominator`.
-  std::shared_ptr<const std::vector<ObjectInstant>> at(int numerator, int denominator) {
-    const std::lock_guard lock(mutex_);
-    auto& entry = instants_[{numerator, denominator}];
-    if (!entry) {
-      auto made = std::make_shared<std::vector<ObjectInstant>>();
-      made->reserve(objects_.size());
-      const double frame = exposure_.at(static_cast<double>(numerator) / denominator);
-      for (const PointPackets& object : objects_) made->emplace_back(scene_, object, frame);
-      entry = std::move(made);
-    }
-    return entry;
-  }
-
- private:
-  const Scene& scene_;
-  Exposure exposure_;
-  const std::vector<PointPackets>& objects_;
-  std::mutex mutex_;
-  std::map<std::pair<int, int>, std::shared_ptr<const std::vector<ObjectInstant>>> instants_;
-};
-
-struct CellResult {
-  int instants = 0;
-  double squares = 0.0;  ///< expected, of R, G and B
+/// A cell as far as it has come.
+struct CellProgress {
+  int instants = 0;  ///< that it was looked at
+  int count = 0;     ///< the image's weight
+  std::optional<ErrorEstimate> estimate;
+  double step_seconds = 0.0;  ///< what its last instants took
+  CellImage so_far;           ///< its sums, where there are seconds to spend
+  [[nodiscard]] double squares() const { return estimate ? estimate->squares() : 0.0; }
 };
 
 class Renderer {
@@ -77,6 +52,10 @@ class Renderer {
     const std::size_t bytes = packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
       return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
+    if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
+      return Error{"", "max_bytes",
+                   "points and what is kept of cells between refinements take " +
+                       std::to_string(bytes + kept_bytes()) + " bytes"};
     Stopwatch watch;
     Rendered out;
     const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
@@ -85,6 +64,10 @@ class Renderer {
     out.statistics.time("bins", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
+    if (options_.error_layers)
+      for (const char* name : {"error", "instants"})
+        out.layers.push_back({name, std::vector<float>(out.image.pixel_count())});
+    layers_ = &out.layers;
     bins_ = &bins;
     plan();
 
@@ -96,31 +79,21 @@ class Renderer {
     InstantTable table(scene_, exposure_, objects);
     tbb::enumerable_thread_specific<SampledCell> cells(
         [&] { return SampledCell(scene_, objects, maths.first[which]); });
-    results_.resize(window_cells_.size());
-    std::atomic<std::size_t> done{0};
-    std::mutex progress_mutex;
-    double told = 0.0;
-    parallel_for_parts(tbb::blocked_range<std::size_t>(0, window_cells_.size(), 1), [&](const auto& range) {
-      SampledCell& cell = cells.local();
-      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-        if (control_.stop.stop_requested()) return;
-        results_[i] = render_cell(window_cells_[i], cell, table);
-        if (!control_.progress) continue;
-        const double share =
-            static_cast<double>(done.fetch_add(1) + 1) / static_cast<double>(window_cells_.size());
-        const std::lock_guard lock(progress_mutex);
-        if (share > told) control_.progress(told = share);
-      }
-    });
-    if (control_.stop.stop_requested()) return Error{"", "", "the render was stopped"};
+    progress_.resize(window_cells_.size());
+    if (options_.max_seconds > 0.0) {
+      render_for(options_.max_seconds, cells, table);
+    } else {
+      ProgressOf done(control_, window_cells_.size());
+      parallel_for_each_cell([&](std::size_t i) {
+        render_cell(i, cells.local(), table);
+        done.one_more();
+      });
+    }
+    if (control_.stop.stop_requested()) return stopped_error();
     out.statistics.time("cells", watch.lap());
     SampledCounters total;
     for (const SampledCell& cell : cells) total.add(cell.counters);
     describe(objects, total, maths.first[which], out.statistics);
-    for (std::size_t i = 0; i < results_.size(); ++i) {
-      const Cell cell = bins.cell(window_cells_[i]);
-      out.parts.push_back({cell.x, cell.y, cell.width, cell.height, results_[i].instants});
-    }
     return out;
   }
 
@@ -143,64 +116,166 @@ class Renderer {
                            std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
   }
 
-  CellResult render_cell(std::size_t index, SampledCell& renderer, InstantTable& table) {
-    const Cell cell = bins_->cell(index);
-    const std::span<const PacketRef> packets = bins_->packets(index);
-    renderer.begin(cell, packets);
-    const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
-    CellResult result;
-    int count = motion > 0.0f ? options_.samples : 1;
-    if (count == 0) count = first_instants(motion, options_.max_error_db);
-    const bool adaptive = options_.samples == 0 && motion > 0.0f;
-    for (int i = 0; i < count; ++i) {
-      InstantWeights weights;
-      if (adaptive) weights = estimating_weights(i, count);
-      renderer.add(*table.at(2 * i + 1, 2 * count), weights);
-    }
-    result.instants = count;
-    if (adaptive) {
+  /// body(i) for every cell of the window, until the render is stopped.
+  template <class Body>
+  void parallel_for_each_cell(const Body& body) const {
+    parallel_for_parts(tbb::blocked_range<std::size_t>(0, window_cells_.size(), 1), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i)
+        if (!control_.stop.stop_requested()) body(i);
+    });
+  }
+
+  void render_cell(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    begin_cell(i, options_.max_error_db, renderer, table);
+    CellProgress& cell = progress_[i];
+    if (options_.samples == 0 && cell.estimate) {
+      const Cell area = bins_->cell(window_cells_[i]);
       const double of_cell = options_.max_cell_error_db > 0.0
                                  ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
                                  : std::numeric_limits<double>::infinity();
-      const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * cell.width * cell.height;
-      ErrorEstimate estimate(renderer.squares(), count);
-      // Doubled by the instants half-way between: with those at both ends, at half weight, the rule is the
-      // trapezoid's.
-      for (bool at_ends = true; estimate.squares() > allowed && count < most_chosen; at_ends = false) {
-        renderer.alternate_from_sums(count);
-        const int added = at_ends ? count + 1 : count;
-        for (int i = 0; i < added; ++i) {
-          const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
-          renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
-        }
-        result.instants += added;
-        count *= 2;
-        estimate.refine(renderer.squares(), count);
-      }
-      result.squares = estimate.squares();
+      const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
+      while (cell.squares() > allowed && cell.count < most_chosen) double_instants(cell, renderer, table);
     }
-    const double weight = count;
-    store(cell, renderer, weight);
-    return result;
+    finish_cell(i, renderer);
   }
 
-  void store(const Cell& cell, SampledCell& renderer, double weight) {
+  /// A cell's first instants.
+  void begin_cell(std::size_t i, double error_db, SampledCell& renderer, InstantTable& table) {
+    const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
+    renderer.begin(bins_->cell(window_cells_[i]), packets);
+    const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+    CellProgress& cell = progress_[i];
+    cell.count = motion > 0.0f ? options_.samples : 1;
+    if (cell.count == 0) cell.count = first_instants(motion, error_db);
+    const bool estimated =
+        motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_layers);
+    for (int k = 0; k < cell.count; ++k) {
+      InstantWeights weights;
+      if (estimated) weights = estimating_weights(k, cell.count);
+      renderer.add(*table.at(2 * k + 1, 2 * cell.count), weights);
+    }
+    cell.instants = cell.count;
+    if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
+  }
+
+  /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
+  /// rule is the trapezoid's.
+  void double_instants(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+    const int count = cell.count;
+    const bool at_ends = cell.instants == count;
+    renderer.alternate_from_sums(count);
+    const int added = at_ends ? count + 1 : count;
+    for (int i = 0; i < added; ++i) {
+      const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
+      renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
+    }
+    cell.instants += added;
+    cell.count = 2 * count;
+    cell.estimate->refine(renderer.squares(), cell.count);
+  }
+
+  void finish_cell(std::size_t i, SampledCell& renderer) {
     thread_local CellImage pixels;
-    renderer.image(weight, pixels);
-    Image& image = *image_;
+    renderer.image(progress_[i].count, pixels);
+    store(i, pixels);
+    if (options_.error_layers) store_layers(i, renderer);
+  }
+
+  /// Refines until so many seconds have passed since the render began. A doubling takes away most of a cell's
+  /// squared error; so those cells go first that have most of it for the seconds that it takes.
+  void render_for(double seconds, tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+    constexpr double coarse_db = 30.0;
+    ProgressOf done(control_, 1);
+    // One step of a cell, and what is kept of it.
+    const auto step = [&](std::size_t i, const auto& add_instants) {
+      SampledCell& renderer = cells.local();
+      Stopwatch own;
+      add_instants(renderer);
+      if (options_.error_layers) store_layers(i, renderer);
+      renderer.image(1.0, progress_[i].so_far);
+      progress_[i].step_seconds = own.lap();
+      done.reached(std::min(0.99, begun_.so_far() / seconds));
+    };
+    parallel_for_each_cell([&](std::size_t i) {
+      step(i, [&](SampledCell& renderer) { begin_cell(i, coarse_db, renderer, table); });
+    });
+    for (std::atomic<bool> refined{true}; refined && !control_.stop.stop_requested();) {
+      refined = false;
+      double best = 0.0;
+      for (std::size_t i = 0; i < progress_.size(); ++i) best = std::max(best, gain(i));
+      if (best == 0.0) break;
+      parallel_for_each_cell([&](std::size_t i) {
+        CellProgress& cell = progress_[i];
+        // A doubling divides the gain by eight or more: a round takes what is within that of the best.
+        if (gain(i) < 0.125 * best) return;
+        const double needs = cell.step_seconds * (cell.instants == cell.count ? 1.0 : 2.0);
+        if (begun_.so_far() + needs > seconds) return;
+        step(i, [&](SampledCell& renderer) {
+          renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
+          double_instants(cell, renderer, table);
+        });
+        refined = true;
+      });
+    }
+    parallel_for_each_cell([&](std::size_t i) {
+      CellImage& image = progress_[i].so_far;
+      for (double& value : image.rgba) value /= progress_[i].count;
+      for (double& value : image.depth) value /= progress_[i].count;
+      store(i, image);
+    });
+  }
+
+  /// Squared error that a cell may lose for a second's work; 0 where it is as good as a picture can show.
+  [[nodiscard]] double gain(std::size_t i) const {
+    constexpr double unseen = 1e-12;  // of the mean square: 120 dB
+    const CellProgress& cell = progress_[i];
+    const Cell area = bins_->cell(window_cells_[i]);
+    if (!cell.estimate || cell.count >= most_chosen ||
+        cell.squares() <= unseen * 3.0 * area.width * area.height)
+      return 0.0;
+    return cell.squares() / std::max(cell.step_seconds, 1e-9);
+  }
+
+  /// What is kept of the film's cells in render_for().
+  [[nodiscard]] std::size_t kept_bytes() const {
+    const auto cells = [](int px) { return static_cast<std::size_t>((px + cell_px - 1) / cell_px); };
+    return cells(scene_.film.width) * cells(scene_.film.height) * cell_px * cell_px * 5 * sizeof(double);
+  }
+
+  /// body(place in the cell, place in the image) for the cell's pixels in the window.
+  template <class Body>
+  void for_each_pixel(std::size_t i, const Body& body) const {
+    const Cell cell = bins_->cell(window_cells_[i]);
+    const Image& image = *image_;
     for (int y = std::max(cell.y, image.y); y < std::min(cell.y + cell.height, image.y + image.height); ++y)
-      for (int x = std::max(cell.x, image.x); x < std::min(cell.x + cell.width, image.x + image.width); ++x) {
-        const auto from = static_cast<std::size_t>((y - cell.y) * cell_px + (x - cell.x));
-        const std::size_t to = static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
-                               static_cast<std::size_t>(x - image.x);
-        const double* rgba = &pixels.rgba[4 * from];
-        const double left = std::max(0.0, 1.0 - rgba[3]);
-        for (std::size_t c = 0; c < 4; ++c)
-          image.rgba[4 * to + c] =
-              static_cast<float>(rgba[c] + left * double{scene_.background[static_cast<int>(c)]});
-        image.depth[to] = rgba[3] > 0.0 ? static_cast<float>(pixels.depth[from] / rgba[3])
-                                        : std::numeric_limits<float>::infinity();
-      }
+      for (int x = std::max(cell.x, image.x); x < std::min(cell.x + cell.width, image.x + image.width); ++x)
+        body(static_cast<std::size_t>((y - cell.y) * cell_px + (x - cell.x)),
+             static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
+                 static_cast<std::size_t>(x - image.x));
+  }
+
+  void store(std::size_t i, const CellImage& pixels) {
+    Image& image = *image_;
+    for_each_pixel(i, [&](std::size_t from, std::size_t to) {
+      const double* rgba = &pixels.rgba[4 * from];
+      const double left = std::max(0.0, 1.0 - rgba[3]);
+      for (std::size_t c = 0; c < 4; ++c)
+        image.rgba[4 * to + c] =
+            static_cast<float>(rgba[c] + left * double{scene_.background[static_cast<int>(c)]});
+      image.depth[to] = rgba[3] > 0.0 ? static_cast<float>(pixels.depth[from] / rgba[3])
+                                      : std::numeric_limits<float>::infinity();
+    });
+  }
+
+  void store_layers(std::size_t i, const SampledCell& renderer) {
+    const CellProgress& cell = progress_[i];
+    std::vector<float>&error = (*layers_)[0].values, &instants = (*layers_)[1].values;
+    thread_local std::vector<float> squares;
+    if (cell.estimate) renderer.alternating_squares(cell.estimate->per_alternating(), squares);
+    for_each_pixel(i, [&](std::size_t from, std::size_t to) {
+      error[to] = cell.estimate ? std::sqrt(squares[from] / 3.0f) : 0.0f;
+      instants[to] = static_cast<float>(cell.instants);
+    });
   }
 
   void describe(const std::vector<PointPackets>& objects, const SampledCounters& total,
@@ -211,14 +286,14 @@ class Renderer {
       surfels += static_cast<double>(object.object->cloud.size());
       packets += static_cast<double>(object.count);
     }
-    for (std::size_t i = 0; i < results_.size(); ++i) {
+    for (std::size_t i = 0; i < progress_.size(); ++i) {
       const Cell cell = bins_->cell(window_cells_[i]);
       const double area = double{1.0} * cell.width * cell.height;
       px += area;
-      instants += area * results_[i].instants;
-      most = std::max(most, results_[i].instants);
-      squares += results_[i].squares;
-      worst = std::max(worst, results_[i].squares / (3.0 * area));
+      instants += area * progress_[i].instants;
+      most = std::max(most, progress_[i].instants);
+      squares += progress_[i].squares();
+      worst = std::max(worst, progress_[i].squares() / (3.0 * area));
     }
     s.count("surfels", surfels);
     s.count("packed_bytes", static_cast<double>(packed_bytes(scene_, exposure_)));
@@ -230,7 +305,7 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (options_.samples == 0) {
+    if (options_.samples == 0 || options_.error_layers) {
       const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
       s.count("expected_rmse", rmse);
       s.count("expected_psnr_db", -20.0 * std::log10(rmse));
@@ -247,9 +322,11 @@ class Renderer {
   Exposure exposure_;
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
+  std::vector<PixelLayer>* layers_ = nullptr;
   std::vector<std::size_t> window_cells_;
   double allowed_mean_square_ = 0.0;
-  std::vector<CellResult> results_;
+  std::vector<CellProgress> progress_;
+  Stopwatch begun_;
 };
 
 }  // namespace
@@ -261,23 +338,28 @@ Status SampledOptions::validate() const {
     return Error{"", "max_error_db", "must be above 0 and at most 150"};
   if (!(max_cell_error_db >= 0.0 && max_cell_error_db <= 150.0))
     return Error{"", "max_cell_error_db", "must be above 0 and at most 150, or 0 where it is not asked for"};
+  if (!(max_seconds >= 0.0 && max_seconds <= 1e9))
+    return Error{"", "max_seconds", "must be above 0 and at most 1e9, or 0 where it is not asked for"};
+  if (max_seconds > 0.0 && samples > 0)
+    return Error{"", "max_seconds", "chooses the instants, and so do samples: one of the two"};
   if (implementation < -1) return Error{"", "implementation", "must be −1 or more"};
   return Done{};
 }
 
 Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options,
                                 const RenderControl& control) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (Status status = control.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  try {
-    // An arena larger than the machine gains nothing, and makes oneTBB print a warning.
-    const int available = tbb::info::default_concurrency();
-    tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute([&] { return Renderer(scene, options, control).render(); });
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
+  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                     [](const Object& object) { return object.splats.size() > 0; });
+  if (of_splats) {
+    if (Status status = scene.validate(); !status) return status.error();
+    if (Status status = check_splats(scene); !status) return status.error();
+    if (options.max_seconds > 0.0)
+      return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
+    if (options.error_layers) return Error{"", "error_layers", "are not known of splats yet"};
   }
+  return render_valid(scene, options, control, [&](const auto&... all) {
+    return of_splats ? render_splats(all...) : Renderer(all...).render();
+  });
 }
 
 }  // namespace swept

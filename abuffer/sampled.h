@@ -17,6 +17,13 @@ struct SampledOptions {
   double max_error_db = 60.0;
   /// The same for every cell of 64 × 64 px by itself, besides; 0: not asked for. [0, 150]
   double max_cell_error_db = 0.0;
+  /// Seconds to render for, wall-clock, in place of the errors above: cells are refined where that gains most
+  /// until the next step would end later. Every cell has its first instants, however long that takes. 0: not
+  /// asked for. The image depends on the machine then.
+  double max_seconds = 0.0;
+  /// Adds two layers: "error", the expected root mean square error of each pixel over R, G and B (a draw by
+  /// itself, an expectation over a neighbourhood), and "instants", how many it is the mean of.
+  bool error_layers = false;
   /// Leaves out every object that moves during the exposure, by itself or because the camera does.
   bool only_standing = false;
   /// Implementation of sampled_math.h to use, 0 being the plain loops that define the others; −1: the widest.
@@ -32,8 +39,8 @@ struct SampledOptions {
 /// not move takes a single instant.
 ///
 /// Statistics: "instants" cells × instants, "instants_per_pixel" their mean over the film's window,
-/// "most_instants" in any cell, and with max_error_db "expected_rmse" and "expected_psnr_db" of the window,
-/// estimated from alternating sums of the instants, and "expected_worst_cell_rmse". Rendered::parts are the cells.
+/// "most_instants" in any cell, and unless `samples` alone is given "expected_rmse" and "expected_psnr_db" of
+/// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

@@ -52,6 +52,7 @@ FieldNumber background(std::string_view name, double low, double high) {
 std::vector<Field> make_fields() {
   using S = Scene;
   using M = ImageModel;
+  using G = SplatModel;
   constexpr double most_fps = 1e9, most_segments = max_segments, light = most_color;
   return {
       {.pointer = "/film/width",
@@ -130,6 +131,35 @@ std::vector<Field> make_fields() {
        .help = "linear pieces that a path over the shutter is cut into",
        .numbers = {number<&S::model, &M::segments>("COUNT", 1, most_segments)},
        .if_zero = "as many, up to 64, as keep the chords of every path within 0.1 px of it"},
+      {.pointer = "/splats/dilation_px2",
+       .option = "--splat-dilation",
+       .unit = "px²",
+       .help = "what Gaussian splats' variances grow by on the film",
+       .numbers = {number<&S::splats, &G::dilation_px2>("VARIANCE", 0, 100)}},
+      {.pointer = "/splats/least_alpha",
+       .option = "--splat-least-alpha",
+       .help = "where a splat covers less of a pixel it is left out",
+       .numbers = {number<&S::splats, &G::least_alpha>("ALPHA", 1e-6, 1)}},
+      {.pointer = "/splats/most_alpha",
+       .option = "--splat-most-alpha",
+       .help = "most that a splat covers of a pixel",
+       .numbers = {number<&S::splats, &G::most_alpha>("ALPHA", 0, 1, true)}},
+      {.pointer = "/splats/least_light",
+       .option = "--splat-least-light",
+       .help = "share of light below which splats end: one that would let less through is not drawn, nor any "
+               "behind it",
+       .numbers = {number<&S::splats, &G::least_light>("SHARE", 0, 1)}},
+      {.pointer = "/splats/near",
+       .option = "--splat-near",
+       .unit = "world units",
+       .help = "splats whose centres are no farther away are left out",
+       .numbers = {number<&S::splats, &G::near>("DISTANCE", 0, 1e9, true)}},
+      {.pointer = "/splats/blending",
+       .option = "--splat-blending",
+       .help = "in what values splats are blended: as their file says, in those of sRGB as nearly all are "
+               "trained, or in linear light",
+       .numbers = {number<&S::splats, &G::blending>("", 0, 2)},
+       .words = {"file", "srgb", "linear"}},
   };
 }
 

@@ -39,6 +39,9 @@ Status validate(const TransformTrack& track) {
 
 Status validate(const Object& object) {
   if (Status cloud = object.cloud.validate(); !cloud) return within("/cloud", cloud.error());
+  if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
+  if (object.cloud.size() > 0 && object.splats.size() > 0)
+    return bad("/splats", "an object has either discs or splats");
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
     return bad("/segments",
@@ -65,6 +68,16 @@ Status Scene::validate() const {
   for (std::size_t i = 0; i < objects.size(); ++i)
     if (Status status = swept::validate(objects[i]); !status)
       return within("/objects/" + std::to_string(i), status.error());
+  return Done{};
+}
+
+Status refuse_splats(const Scene& scene, std::string_view renderer) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (scene.objects[i].splats.size() > 0)
+      return bad("/objects/" + std::to_string(i), "is made of Gaussian splats, which " +
+                                                      std::string(renderer) +
+                                                      " does not draw; --method sampled does, and \"draw\": "
+                                                      "\"surfels\" has them read as discs");
   return Done{};
 }
 

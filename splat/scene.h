@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "splat/camera.h"
 #include "splat/exposure.h"
+#include "splat/splat_cloud.h"
 #include "splat/surfel.h"
 
 namespace swept {
@@ -43,9 +45,29 @@ struct ImageModel {
   [[nodiscard]] Status validate() const;
 };
 
+/// In what values splats are blended.
+enum class SplatBlending {
+  file,    ///< SplatCloud::colors
+  srgb,    ///< of the sRGB curve, as nearly all are trained
+  linear,  ///< of light
+};
+
+/// How Gaussian splats become a picture (model section 13): constants by which renderers differ. Defaults are
+/// those of Kerbl et al. 2023. Ranges are in the table of splat/fields.h.
+struct SplatModel {
+  double dilation_px2 = 0.3;       ///< added to the variances on the film
+  double least_alpha = 1.0 / 255;  ///< less is left out
+  double most_alpha = 0.99;        ///< more is cut to this
+  double least_light = 1e-4;  ///< a splat that would let less light through is not drawn, nor what is behind
+  double near = 0.2;          ///< world units: centres no farther than this are left out
+  SplatBlending blending = SplatBlending::file;
+};
+
+/// Either discs or splats; the other of the two is empty.
 struct Object {
   std::string name;
   SurfelCloud cloud;
+  SplatCloud splats;
   TransformTrack transform;
   bool two_sided = true;  ///< else a disc is seen only from the side a₁ × a₂ points to
   int segments = 0;       ///< linear motion segments; 0: as the image model says
@@ -60,6 +82,7 @@ struct Scene {
   FrameRate fps;
   Eigen::Vector4f background = Eigen::Vector4f::Zero();  ///< linear, premultiplied RGBA
   ImageModel model;
+  SplatModel splats;
   std::vector<Object> objects;
 
   /// The shutter's times as absolute frames.
@@ -68,5 +91,9 @@ struct Scene {
   /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
   [[nodiscard]] Status validate() const;
 };
+
+/// An error that names the first object of splats, of a renderer that draws none: "…, which `renderer` does
+/// not draw".
+[[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

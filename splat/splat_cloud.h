@@ -39,6 +39,10 @@ struct SplatCloud {
   SplatColors colors = SplatColors::srgb;
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
+  [[nodiscard]] Eigen::Vector3d position_at(std::size_t splat, double at_frame) const {
+    if (velocity.empty()) return position[splat];
+    return position[splat] + velocity[splat].cast<double>() * (at_frame - frame);
+  }
   [[nodiscard]] static constexpr int coefficients(int degree) { return (degree + 1) * (degree + 1); }
 
   /// Counts agree, every number is finite and in its range. The error's field names the array and the first

@@ -13,6 +13,10 @@ class Stopwatch {
     const Clock::time_point last = std::exchange(start_, Clock::now());
     return std::chrono::duration<double>(start_ - last).count();
   }
+  /// The same, and goes on.
+  [[nodiscard]] double so_far() const {
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -60,8 +60,8 @@ Scene fly_past() {
   return scene;
 }
 
-Image render(const Scene& scene, const AbufferOptions& options = {}) {
-  auto rendered = render_abuffer(scene, options);
+Image render(const Scene& scene, const AbufferOptions& options = {}, const RenderControl& control = {}) {
+  auto rendered = render_abuffer(scene, options, control);
   EXPECT_TRUE(rendered.ok()) << rendered.error().message();
   return std::move(rendered).value().image;
 }
@@ -82,7 +82,7 @@ double rmse(const Image& a, const Image& b) {
 
 /// 80 dB, on top of what the reference is off by itself. Its estimate is of RGB and within a factor of √1.5.
 void expect_agreement(const Scene& scene, int samples) {
-  auto reference = render_reference(scene, {samples, 0, ReferenceMotion::segments});
+  auto reference = render_reference(scene, {samples, ReferenceMotion::segments});
   ASSERT_TRUE(reference.ok()) << reference.error().message();
   const double own = counter(*reference, "reference_error_rmse");
   const double error = rmse(render(scene), reference->image);
@@ -128,8 +128,8 @@ TEST(Abuffer, AgreesWithTheReferenceOnOneSidedSurfaces) {
 
 TEST(Abuffer, ThreadsAndTilesChangeNoBit) {
   for (const Scene& scene : {busy_scene(), particles()}) {
-    const Image image = render(scene, {.threads = 1});
-    EXPECT_TRUE(same_bits(image, render(scene, {.threads = 2})));
+    const Image image = render(scene, {}, {.threads = 1});
+    EXPECT_TRUE(same_bits(image, render(scene, {}, {.threads = 2})));
     EXPECT_TRUE(same_bits(image, render(scene, {.tile_px = 7})));
     EXPECT_TRUE(same_bits(image, render(scene, {.tile_px = 4096})));
     EXPECT_TRUE(same_bits(image, render(scene, {.tile_fragments = 100})));
@@ -291,12 +291,42 @@ TEST(Abuffer, EmptyScenesAreBackground) {
 }
 
 TEST(Abuffer, RefusesOptionsOutOfRange) {
-  for (const AbufferOptions& bad :
-       {AbufferOptions{.threads = -1}, AbufferOptions{.tile_px = 0}, AbufferOptions{.tile_fragments = 0}}) {
+  for (const AbufferOptions& bad : {AbufferOptions{.tile_px = 0}, AbufferOptions{.tile_fragments = 0}}) {
     auto rendered = render_abuffer(stage(), bad);
     ASSERT_FALSE(rendered.ok());
     EXPECT_FALSE(rendered.error().field.empty());
   }
+  auto rendered = render_abuffer(stage(), {}, {.threads = -1});
+  ASSERT_FALSE(rendered.ok());
+  EXPECT_EQ(rendered.error().field, "threads");
+}
+
+/// From within, as soon as there is any progress.
+template <class Render>
+void expect_progress_and_stop(const Render& render) {
+  double told = 0.0;
+  RenderControl watched;
+  watched.progress = [&](double share) {
+    EXPECT_GE(share, told);
+    told = share;
+  };
+  EXPECT_TRUE(render(watched).ok());
+  EXPECT_EQ(told, 1.0);
+  std::stop_source source;
+  RenderControl stopped;
+  stopped.stop = source.get_token();
+  stopped.progress = [&](double) { source.request_stop(); };
+  const auto rendered = render(stopped);
+  ASSERT_FALSE(rendered.ok());
+  EXPECT_EQ(rendered.error().reason, "the render was stopped");
+}
+
+TEST(Abuffer, TellsItsProgressAndStopsWhenAsked) {
+  expect_progress_and_stop(
+      [](const RenderControl& control) { return render_abuffer(busy_scene(), {.tile_px = 16}, control); });
+  expect_progress_and_stop([](const RenderControl& control) {
+    return render_reference(busy_scene(), {4, ReferenceMotion::smooth}, control);
+  });
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ double farthest_apart(const Image& a, const Image& b) {
 }
 
 Image image_of(const Scene& scene) {
-  const auto rendered = render_abuffer(scene, {.threads = 1});
+  const auto rendered = render_abuffer(scene, {}, {.threads = 1});
   EXPECT_TRUE(rendered.ok());
   return rendered->image;
 }
@@ -209,7 +209,7 @@ TEST(Continuity, OfTheImageInSpeed) {
 }
 
 double counter(const Scene& scene, const std::string& counted) {
-  const auto rendered = render_abuffer(scene, {.threads = 1});
+  const auto rendered = render_abuffer(scene, {}, {.threads = 1});
   return test::counter(*rendered, counted);
 }
 

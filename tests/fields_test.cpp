@@ -71,6 +71,7 @@ TEST_F(Fields, EveryMemberHasAnEntry) {
   EXPECT_EQ(numbers["film"], member_count<Film>());
   EXPECT_EQ(numbers["shutter"], member_count<Shutter>());
   EXPECT_EQ(numbers["image"], member_count<ImageModel>());
+  EXPECT_EQ(numbers["splats"], member_count<SplatModel>());
   EXPECT_EQ(numbers[""], member_count<FrameRate>() + 4) << "rate and background";
   struct Three {
     int a;

@@ -34,7 +34,7 @@ TEST_P(HardSceneTest, IsTheReference) {
   const auto rendered = render_abuffer(scene);
   ASSERT_TRUE(rendered.ok()) << rendered.error().message();
   const int samples = std::max(2, hard.samples / 2);
-  const auto reference = render_reference(scene, {samples, 0, ReferenceMotion::segments});
+  const auto reference = render_reference(scene, {samples, ReferenceMotion::segments});
   ASSERT_TRUE(reference.ok()) << reference.error().message();
   const std::vector<float>& truth = reference->image.rgba;
   EXPECT_GT(*std::max_element(truth.begin(), truth.end()), 0.05f) << "there is nothing to see";

@@ -115,7 +115,7 @@ TEST(RandomScenes, AreTheReference) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Scene scene = random_scene(seed);
     const auto rendered = render_abuffer(scene);
-    const auto reference = render_reference(scene, {1024, 0, ReferenceMotion::segments});
+    const auto reference = render_reference(scene, {1024, ReferenceMotion::segments});
     ASSERT_TRUE(rendered && reference) << seed;
     const test::ImageDifference off = test::difference_of(rendered->image, reference->image);
     const double own = test::counter(*reference, "reference_error_rmse");

@@ -56,7 +56,7 @@ TransformKey turned(double radians) {
 }
 
 Rendered render(const Scene& scene, ReferenceMotion motion, int samples = 32) {
-  auto rendered = render_reference(scene, {samples, 0, motion});
+  auto rendered = render_reference(scene, {samples, motion});
   EXPECT_TRUE(rendered.ok()) << rendered.error().message();
   return std::move(rendered).value();
 }
@@ -156,7 +156,7 @@ TEST(ReferenceMotion, BadSceneIsRefused) {
   Scene scene = sphere();
   scene.objects[0].cloud.color.pop_back();
   for (const ReferenceMotion motion : {ReferenceMotion::segments, ReferenceMotion::smooth}) {
-    EXPECT_FALSE(render_reference(scene, {2, 0, motion}).ok());
+    EXPECT_FALSE(render_reference(scene, {2, motion}).ok());
   }
 }
 

@@ -55,7 +55,7 @@ struct Stage {
   }
 
   [[nodiscard]] Rendered render(int samples = 2, int threads = 0) const {
-    auto rendered = render_reference(set, scene, {samples, threads, ReferenceMotion::segments});
+    auto rendered = render_reference(set, scene, {samples, ReferenceMotion::segments}, {.threads = threads});
     EXPECT_TRUE(rendered.ok()) << rendered.error().message();
     return std::move(rendered).value();
   }
@@ -373,12 +373,12 @@ TEST(Reference, EstimatesItsOwnError) {
 TEST(Reference, RefusesOptionsOutOfRange) {
   const Stage stage;
   for (const int samples : {-2, 0, 1, 3, 255, (1 << 20) + 2}) {
-    const auto rendered = render_reference(stage.set, stage.scene, {samples, 0, ReferenceMotion::segments});
+    const auto rendered = render_reference(stage.set, stage.scene, {samples, ReferenceMotion::segments});
     ASSERT_FALSE(rendered.ok()) << samples;
     EXPECT_EQ(rendered.error().field, "samples");
   }
   for (const int threads : {-1, 1025}) {
-    const auto rendered = render_reference(stage.scene, {2, threads, ReferenceMotion::smooth});
+    const auto rendered = render_reference(stage.scene, {2, ReferenceMotion::smooth}, {.threads = threads});
     ASSERT_FALSE(rendered.ok());
     EXPECT_EQ(rendered.error().field, "threads");
   }

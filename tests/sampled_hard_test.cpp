@@ -39,7 +39,7 @@ double reference_db(Scene scene, int samples) {
   scene.background.setZero();
   const Rendered rendered = sampled(scene, samples);
   expect_sound(rendered.image);
-  const auto reference = render_reference(scene, {samples, 0, ReferenceMotion::smooth});
+  const auto reference = render_reference(scene, {samples, ReferenceMotion::smooth});
   EXPECT_TRUE(reference.ok()) << reference.error().message();
   if (!reference.ok()) return 0.0;
   const double off = test::difference_of(rendered.image, reference->image).color;

@@ -318,6 +318,73 @@ TEST(Sampled, MeetsTheErrorOfTheWorstCell) {
   EXPECT_LE(counter(*strict, "expected_worst_cell_rmse"), std::pow(10.0, -55.0 / 20.0));
 }
 
+TEST(Sampled, IsAsGoodAsTheSecondsAllow) {
+  const Scene scene = turning_ball();
+  const auto truth = render_sampled(scene, instants(4096));
+  ASSERT_TRUE(truth.ok());
+  SampledOptions options;
+  options.max_seconds = 1e-9;
+  const auto at_once = render_sampled(scene, options);
+  options.max_seconds = 2.0;
+  const auto later = render_sampled(scene, options);
+  ASSERT_TRUE(at_once.ok() && later.ok());
+  // However little time there is, there is a picture; and what two seconds are for is known to be much more.
+  EXPECT_GT(psnr(at_once->image, truth->image), 20.0);
+  EXPECT_GT(psnr(later->image, truth->image), psnr(at_once->image, truth->image) + 10.0);
+  EXPECT_NEAR(psnr(later->image, truth->image), counter(*later, "expected_psnr_db"), 9.0);
+  EXPECT_GT(counter(*later, "most_instants"), counter(*at_once, "most_instants"));
+}
+
+TEST(Sampled, ShowsWhereTheErrorIsExpected) {
+  const Scene scene = turning_ball();
+  SampledOptions options;
+  options.max_error_db = 50.0;
+  const auto plain = render_sampled(scene, options);
+  options.error_layers = true;
+  const auto rendered = render_sampled(scene, options);
+  const auto truth = render_sampled(scene, instants(4096));
+  ASSERT_TRUE(plain.ok() && rendered.ok() && truth.ok());
+  expect_same_bits(plain->image, rendered->image);
+  EXPECT_TRUE(plain->layers.empty());
+  ASSERT_EQ(rendered->layers.size(), 2u);
+  const PixelLayer &error = rendered->layers[0], &looked_at = rendered->layers[1];
+  EXPECT_EQ(error.name, "error");
+  EXPECT_EQ(looked_at.name, "instants");
+  ASSERT_EQ(error.values.size(), rendered->image.pixel_count());
+  ASSERT_EQ(looked_at.values.size(), rendered->image.pixel_count());
+  double squares = 0.0;
+  for (const float e : error.values) squares += double{e} * double{e};
+  const double rmse = std::sqrt(squares / static_cast<double>(error.values.size()));
+  EXPECT_NEAR(rmse / counter(*rendered, "expected_rmse"), 1.0, 1e-3);
+  EXPECT_EQ(*std::max_element(looked_at.values.begin(), looked_at.values.end()),
+            counter(*rendered, "most_instants"));
+  // Half of the pixels, those where most is expected, have nearly all of the error.
+  std::vector<float> sorted = error.values;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const float median = sorted[sorted.size() / 2];
+  double there = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < error.values.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double off = double{rendered->image.rgba[4 * i + c]} - double{truth->image.rgba[4 * i + c]};
+      all += off * off;
+      if (error.values[i] > median) there += off * off;
+    }
+  EXPECT_GT(there, 0.9 * all);
+}
+
+TEST(Sampled, SaysWhatAFixedNumberOfInstantsIsOffBy) {
+  const Scene scene = turning_ball();
+  SampledOptions options = instants(16);
+  const auto plain = render_sampled(scene, options);
+  options.error_layers = true;
+  const auto rendered = render_sampled(scene, options);
+  const auto truth = render_sampled(scene, instants(4096));
+  ASSERT_TRUE(plain.ok() && rendered.ok() && truth.ok());
+  expect_same_bits(plain->image, rendered->image);
+  EXPECT_NEAR(psnr(rendered->image, truth->image), counter(*rendered, "expected_psnr_db"), 9.0);
+}
+
 TEST(Sampled, TellsProgressAndStops) {
   const Scene scene = test::busy_scene();
   RenderControl control;

@@ -56,7 +56,7 @@ TEST_P(GeneratedScene, IsTheReferenceToEightyDecibels) {
   seen.background.setZero();
   auto rendered = render_abuffer(seen);
   ASSERT_TRUE(rendered.ok()) << rendered.error().message();
-  auto reference = render_reference(seen, {256, 0, ReferenceMotion::segments});
+  auto reference = render_reference(seen, {256, ReferenceMotion::segments});
   ASSERT_TRUE(reference.ok()) << reference.error().message();
 
   const std::vector<float>& truth = reference->image.rgba;

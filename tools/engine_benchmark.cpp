@@ -143,9 +143,7 @@ int run_scene(const std::string& name, const Scene& scene, const std::string& fo
                point->instants, uniform ? fmt::format(", {:.2f}", point->seconds / *uniform) : "");
   }
   if (others.abuffer) {
-    AbufferOptions exact;
-    exact.threads = control.threads;
-    print_other([&] { return render_abuffer(scene, exact); }, *reference, curve);
+    print_other([&] { return render_abuffer(scene, {}, control); }, *reference, curve);
   }
   if (others.rays > 0) {
     RaycastOptions rays;

@@ -66,8 +66,11 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
     if (!object.velocity_unit.empty())
       fmt::print("    velocity  {}\n", object.velocity_unit == "per_frame" ? "per frame" : "per second");
     fmt::print("    streak    {:.6g} px at the longest\n", object.longest_streak_px);
-    fmt::print("    surface   {}, {}\n", object.two_sided ? "two-sided" : "one-sided",
-               object.has_opacity ? "transparent in places" : "opaque");
+    if (object.splats)
+      fmt::print("    surface   none: Gaussian splats\n");
+    else
+      fmt::print("    surface   {}, {}\n", object.two_sided ? "two-sided" : "one-sided",
+                 object.has_opacity ? "transparent in places" : "opaque");
     if (object.points > 0)
       fmt::print("    bounds    {}  to  {}\n", text_of(object.low), text_of(object.high));
   }
@@ -91,6 +94,7 @@ Json json_of(const ObjectReport& object) {
                {"longest_streak_px", object.longest_streak_px},
                {"two_sided", object.two_sided},
                {"has_opacity", object.has_opacity},
+               {"splats", object.splats},
                {"bounds", nullptr}};
   if (!object.velocity_unit.empty()) json["velocity_unit"] = object.velocity_unit;
   if (object.points > 0) json["bounds"] = {{"low", json_of(object.low)}, {"high", json_of(object.high)}};

@@ -12,6 +12,7 @@
 #include "splat/io/atomic_file.h"
 #include "splat/io/cloud_scene.h"
 #include "splat/io/point_file.h"
+#include "splat/io/splat_file.h"
 #include "tools/console.h"
 #include "tools/outputs.h"
 #include "tools/scene_options.h"
@@ -34,7 +35,7 @@ int init(const InitArguments& arguments) {
   const std::filesystem::path output(arguments.output);
   if (output.extension() != ".json")
     throw CLI::ValidationError("--output", "must end in .json: " + arguments.output);
-  if (!is_point_file_name(arguments.points))
+  if (!is_point_file_name(arguments.points) && !is_splat_file_name(arguments.points))
     throw CLI::ValidationError("points", "is no point file by its name: " + arguments.points);
   const Existing existing = arguments.overwrite ? Existing::overwrite : Existing::refuse;
   if (const Status status = check_output_file(arguments.output, existing); !status)

@@ -1,6 +1,8 @@
 #include "tools/layer_options.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -15,7 +17,8 @@ struct Name {
 constexpr Name names[] = {{"normal", [](LayerOptions& o) -> bool& { return o.choice.normal; }},
                           {"motion", [](LayerOptions& o) -> bool& { return o.choice.motion; }},
                           {"coverage", [](LayerOptions& o) -> bool& { return o.choice.coverage; }},
-                          {"samples", [](LayerOptions& o) -> bool& { return o.samples; }}};
+                          {"samples", [](LayerOptions& o) -> bool& { return o.samples; }},
+                          {"error", [](LayerOptions& o) -> bool& { return o.error; }}};
 
 }  // namespace
 
@@ -40,23 +43,23 @@ std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command) {
           "--layers", set,
           "Write these too: normal.x, .y, .z; motion as forward.u, .v and backward.u, .v, px per frame; "
           "coverage; all "
-          "of the nearest surface in the middle of the exposure; samples: instants that were averaged "
-          "(sampled)")
+          "of the nearest surface in the middle of the exposure; samples: instants that were averaged; "
+          "error: the "
+          "root mean square error that is expected (both: sampled)")
       ->delimiter(',')
-      ->type_name("normal,motion,coverage,samples")
-      ->check(CLI::IsMember({"normal", "motion", "coverage", "samples"}).name(""));
+      ->type_name("normal,motion,coverage,samples,error")
+      ->check(CLI::IsMember({"normal", "motion", "coverage", "samples", "error"}).name(""));
   return options;
 }
 
-ImageChannel samples_channel(const Rendered& rendered) {
-  const Image& image = rendered.image;
-  ImageChannel channel{"samples", std::vector<float>(image.pixel_count())};
-  for (const FilmPart& part : rendered.parts)
-    for (int y = std::max(part.y, image.y); y < std::min(part.y + part.height, image.y + image.height); ++y)
-      for (int x = std::max(part.x, image.x); x < std::min(part.x + part.width, image.x + image.width); ++x)
-        channel.values[static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
-                       static_cast<std::size_t>(x - image.x)] = static_cast<float>(part.instants);
-  return channel;
+void add_layers(const LayerOptions& options, std::vector<PixelLayer> layers, Rendered& rendered) {
+  rendered.image.channels = std::move(layers);
+  for (PixelLayer& layer : rendered.layers) {
+    const bool samples = layer.name == "instants";
+    if (samples) layer.name = "samples";
+    if (samples ? options.samples : layer.name == "error" && options.error)
+      rendered.image.channels.push_back(std::move(layer));
+  }
 }
 
 }  // namespace swept

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -14,8 +15,10 @@ namespace swept {
 struct LayerOptions {
   LayerChoice choice;
   bool samples = false;  ///< at how many instants each pixel was looked at
+  bool error = false;    ///< that is expected
 
-  [[nodiscard]] bool any() const { return samples || choice.any(); }
+  /// Whether the renderer has to tell what it did.
+  [[nodiscard]] bool of_renderer() const { return samples || error; }
   /// ", layers normal motion", for what tells pictures apart; empty: none.
   [[nodiscard]] std::string text() const;
 };
@@ -23,7 +26,7 @@ struct LayerOptions {
 /// --layers.
 [[nodiscard]] std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command);
 
-/// The channel "samples" of an image, from what its renderer tells.
-[[nodiscard]] ImageChannel samples_channel(const Rendered& rendered);
+/// Gives the image its channels: `layers`, and what is wanted of those of its renderer.
+void add_layers(const LayerOptions& options, std::vector<PixelLayer> layers, Rendered& rendered);
 
 }  // namespace swept

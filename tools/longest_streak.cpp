@@ -27,8 +27,10 @@ class Projector {
         lens_(lens_matrix(camera_, camera_)) {}
 
   /// None before the near plane.
-  [[nodiscard]] std::optional<Place> place(const SurfelCloud& cloud, std::size_t i) const {
-    const Eigen::Vector3d world = world_ * surfel_at(cloud, i, frame_).position;
+  [[nodiscard]] std::optional<Place> place(const Object& object, std::size_t i) const {
+    const Eigen::Vector3d world =
+        world_ * (object.splats.size() > 0 ? object.splats.position_at(i, frame_)
+                                           : surfel_at(object.cloud, i, frame_).position);
     const Eigen::Vector3d p = lens_ * (camera_.camera_from_world.linear() * (world - camera_.eye));
     if (!(p.z() >= near_)) return std::nullopt;
     Place place{{projection_.center_x + projection_.focal_px * p.x() / p.z(),
@@ -52,8 +54,8 @@ class Projector {
 double longest_streak_px(const Scene& scene, const Object& object) {
   const double open = scene.frame + scene.shutter.open, close = scene.frame + scene.shutter.close;
   if (open == close) return 0.0;
-  if (!object.cloud.moves() && object.transform.constant_over(open, close) &&
-      scene.camera.constant_over(open, close)) {
+  if (!object.cloud.moves() && object.splats.velocity.empty() &&
+      object.transform.constant_over(open, close) && scene.camera.constant_over(open, close)) {
     return 0.0;
   }
   std::vector<Projector> projectors;
@@ -62,11 +64,11 @@ double longest_streak_px(const Scene& scene, const Object& object) {
     projectors.emplace_back(scene, object, open + share * (close - open));
   }
   double longest = 0.0;
-  for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+  for (std::size_t i = 0; i < std::max(object.cloud.size(), object.splats.size()); ++i) {
     double streak = 0.0;
     std::optional<Place> before;
     for (const Projector& projector : projectors) {
-      const std::optional<Place> now = projector.place(object.cloud, i);
+      const std::optional<Place> now = projector.place(object, i);
       if (before && now && (before->in_window || now->in_window))
         streak += (now->pixel - before->pixel).norm();
       before = now;

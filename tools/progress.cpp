@@ -65,12 +65,12 @@ void Progress::note(const std::string& text) {
   draw();
 }
 
-void Progress::finish() {
+void Progress::finish(const std::string& remark) {
   const std::lock_guard lock(mutex_);
   clear();
   const std::size_t skipped = done_ - rendered_;
-  log("{} frame{} in {}{}\n", rendered_, rendered_ == 1 ? "" : "s", clock_text(elapsed()),
-      skipped > 0 ? fmt::format(", {} skipped", skipped) : "");
+  log("{} frame{} in {}{}{}\n", rendered_, rendered_ == 1 ? "" : "s", clock_text(elapsed()),
+      skipped > 0 ? fmt::format(", {} skipped", skipped) : "", printable(remark));
   terminal_ = false;
 }
 

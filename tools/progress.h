@@ -27,7 +27,8 @@ class Progress {
   void skip_frame(double frame, const std::string& output);
   /// A line of its own, above the bar.
   void note(const std::string& text);
-  void finish();
+  /// The last line, which stays, with a remark on all frames.
+  void finish(const std::string& remark = "");
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -53,7 +53,7 @@ int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
     const Result<const Scene*> scene = file.scene_at(output.frame, generate);
     if (!scene) return fail(scene.error());
     std::size_t points = 0;
-    for (const Object& object : (*scene)->objects) points += object.cloud.size();
+    for (const Object& object : (*scene)->objects) points += object.cloud.size() + object.splats.size();
     fmt::print("frame {}: render{} {} points\n", output.frame, name, points);
   }
   return 0;
@@ -67,8 +67,8 @@ void check_arguments(const RenderArguments& arguments) {
     if (!path.empty() && std::filesystem::path(path).extension() != extension)
       throw CLI::ValidationError(option, fmt::format("must end in {}: {}", extension, path));
   };
-  if (arguments.layers->samples && arguments.method->method != "sampled")
-    throw CLI::ValidationError("--layers", "samples goes with --method sampled");
+  if (arguments.layers->of_renderer() && arguments.method->method != "sampled")
+    throw CLI::ValidationError("--layers", "samples and error go with --method sampled");
   check_extension("--output", arguments.output, ".exr");
   check_extension("--preview", arguments.preview, ".png");
   check_extension("--stats-json", arguments.stats, ".json");
@@ -112,7 +112,9 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
 
 int render(const RenderArguments& arguments) {
   check_arguments(arguments);
-  const Result<PreparedMethod> method = prepare_method(*arguments.method, arguments.control);
+  MethodChoice choice = *arguments.method;
+  choice.arguments.error_layers = arguments.layers->of_renderer();
+  const Result<PreparedMethod> method = prepare_method(choice, arguments.control);
   if (!method) throw CLI::ValidationError(method.error().field, method.error().reason);
   std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());
   // What the command line alone gets wrong is found without the scene.

@@ -1,6 +1,8 @@
 #include "tools/render_frames.h"
 
+#include <algorithm>
 #include <deque>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -40,7 +42,7 @@ struct PendingFrame {
   const FrameOutput* output = nullptr;
   ImageMetadata metadata;
   FrameStatistics* statistics = nullptr;
-  std::vector<ImageChannel> layers;
+  std::vector<PixelLayer> layers;
 };
 
 class FrameLoop {
@@ -59,7 +61,7 @@ class FrameLoop {
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
-    Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
+    Result<std::vector<PixelLayer>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
     if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
     pending_.push_back(
@@ -86,8 +88,7 @@ class FrameLoop {
     if (!rendered) return rendered.error();
     statistics.render_seconds += watch.lap();
     statistics.statistics = std::move(rendered->statistics);
-    rendered->image.channels = std::move(frame.layers);
-    if (run_.layers.samples) rendered->image.channels.push_back(samples_channel(*rendered));
+    add_layers(run_.layers, std::move(frame.layers), *rendered);
     // The image last: whoever finds it finds the frame done.
     if (!output.preview.empty())
       if (Status written = write_png(output.preview, rendered->image, output.preview_exists); !written)
@@ -119,6 +120,15 @@ class FrameLoop {
   std::set<std::string> told_;
 };
 
+/// What the frames are expected to be off by, where their renderer says so.
+std::string expectation(const std::vector<FrameStatistics>& frames) {
+  double worst = std::numeric_limits<double>::infinity();
+  for (const FrameStatistics& frame : frames)
+    worst = std::min(worst, frame.statistics.counter("expected_psnr_db").value_or(worst));
+  if (!(worst < std::numeric_limits<double>::infinity())) return "";
+  return fmt::format(", {:.1f} dB expected{}", worst, frames.size() > 1 ? " of the worst" : "");
+}
+
 }  // namespace
 
 Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
@@ -144,7 +154,7 @@ Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, F
   }
   if (Status finished = loop.finish_all_but(0); !finished) return finished;
   renderer.on_progress({});
-  progress.finish();
+  progress.finish(expectation(frames));
   for (FrameStatistics& frame : frames) run.frames.push_back(std::move(frame));
   return Done{};
 }

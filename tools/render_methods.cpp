@@ -24,15 +24,15 @@ constexpr bool gpu_built = false;
 
 Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const RenderControl& control) {
   AbufferOptions options;
-  options.threads = control.threads;
   const bool per_pixel = arguments.text("--normalisation", "interval") == "pixel";
   options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
-  return PreparedMethod{
-      std::make_shared<OneByOne>(
-          [options](const Scene& scene, const RenderControl&) { return render_abuffer(scene, options); },
-          control),
-      {{"threads", options.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
-      per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene, const RenderControl& within) {
+                              return render_abuffer(scene, options, within);
+                            },
+                            control),
+                        {{"threads", control.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
+                        per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
 }
 
 /// A PSNR as in 60dB, or a root mean square error below 1, as PSNR.
@@ -49,6 +49,14 @@ Result<double> error_db(const MethodArguments& arguments, const char* option, do
                fmt::format("expected a PSNR up to 150dB, or a root mean square error below 1: {}", text)};
 }
 
+std::string sampled_picture(const SampledOptions& options) {
+  if (options.samples > 0) return fmt::format("sampled {}", options.samples);
+  if (options.max_seconds > 0.0) return fmt::format("sampled for {} s", options.max_seconds);
+  std::string picture = fmt::format("sampled to {} dB", options.max_error_db);
+  if (options.max_cell_error_db > 0.0) picture += fmt::format(", cells {}", options.max_cell_error_db);
+  return picture;
+}
+
 Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const RenderControl& control) {
   SampledOptions options;
   const Result<double> frame = error_db(arguments, "--max-error", options.max_error_db);
@@ -57,9 +65,14 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
   if (!cell) return cell.error();
   options.max_error_db = *frame;
   options.max_cell_error_db = *cell;
+  options.error_layers = arguments.error_layers;
   options.samples = arguments.whole("--samples", options.samples);
   if (options.samples > 0 && (arguments.given("--max-error") || arguments.given("--max-cell-error")))
     return Error{"", "--samples", "says how many instants, and --max-error has them chosen: one of the two"};
+  options.max_seconds = arguments.number("--max-seconds", 0.0);
+  if (options.max_seconds > 0.0 &&
+      (options.samples > 0 || arguments.given("--max-error") || arguments.given("--max-cell-error")))
+    return Error{"", "--max-seconds", "goes with neither --max-error nor --samples: one of the three"};
   if (const Status valid = options.validate(); !valid)
     return Error{"", valid.error().field, valid.error().reason};
   return PreparedMethod{std::make_shared<OneByOne>(
@@ -70,27 +83,24 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
                         {{"threads", control.threads},
                          {"samples", options.samples},
                          {"max_error_db", options.max_error_db},
-                         {"max_cell_error_db", options.max_cell_error_db}},
-                        options.samples > 0 ? fmt::format("sampled {}", options.samples)
-                                            : fmt::format("sampled to {} dB", options.max_error_db) +
-                                                  (options.max_cell_error_db > 0.0
-                                                       ? fmt::format(", cells {}", options.max_cell_error_db)
-                                                       : std::string())};
+                         {"max_cell_error_db", options.max_cell_error_db},
+                         {"max_seconds", options.max_seconds}},
+                        sampled_picture(options)};
 }
 
 Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const RenderControl& control) {
   ReferenceOptions options;
-  options.threads = control.threads;
   options.samples = arguments.whole("--samples", options.samples);
   const std::string motion = arguments.text("--reference-motion", "segments");
   options.motion = motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
   if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
-  return PreparedMethod{
-      std::make_shared<OneByOne>(
-          [options](const Scene& scene, const RenderControl&) { return render_reference(scene, options); },
-          control),
-      {{"threads", options.threads}, {"samples", options.samples}},
-      fmt::format("reference {} {}", options.samples, motion)};
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene, const RenderControl& within) {
+                              return render_reference(scene, options, within);
+                            },
+                            control),
+                        {{"threads", control.threads}, {"samples", options.samples}},
+                        fmt::format("reference {} {}", options.samples, motion)};
 }
 
 Result<PreparedMethod> prepare_gpu(const MethodArguments& arguments, bool still_frames) {
@@ -167,7 +177,7 @@ const std::vector<RenderMethod>& render_methods() {
   static const std::vector<RenderMethod> methods = {
       {"sampled",
        "as many instants as the error asked for takes, cell by cell",
-       {"--max-error", "--max-cell-error", "--samples"},
+       {"--max-error", "--max-cell-error", "--max-seconds", "--samples"},
        true,
        prepare_sampled},
       {"abuffer", "the exact A-buffer", {"--normalisation"}, true, prepare_abuffer},
@@ -194,6 +204,11 @@ const std::vector<MethodOption>& method_options() {
        .help = "The same for every 64 x 64 px of it by themselves",
        .type_name = "60dB|0.001",
        .example = "50dB"},
+      {.name = "--max-seconds",
+       .kind = Kind::number,
+       .help = "Seconds for a frame instead of an error: it is made as good as they allow, and says how good",
+       .low = 0.001,
+       .high = 1e9},
       {.name = "--normalisation",
        .kind = Kind::word,
        .help = "What the A-buffer divides weights by: those of every visible interval, or once per pixel, as "

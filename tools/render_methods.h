@@ -39,6 +39,8 @@ class MethodArguments {
   [[nodiscard]] std::string text(std::string_view option, std::string_view otherwise) const;
   [[nodiscard]] std::vector<std::string> options() const;
 
+  bool error_layers = false;  ///< SampledOptions::error_layers
+
  private:
   std::map<std::string, std::string, std::less<>> texts_;
 };

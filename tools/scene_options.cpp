@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 
 #include "splat/fields.h"
 #include "tools/console.h"
@@ -141,7 +142,8 @@ void add_up_option(CLI::App& command, std::optional<Eigen::Vector3d>& up, const 
 std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
   auto overrides = std::make_shared<SceneOverrides>();
   for (const FieldOption& option : field_options()) {
-    const bool of_image = option.fields.front()->group() == "image";
+    const std::string_view group = option.fields.front()->group();
+    const bool of_image = group == "image" || group == "splats";
     command
         .add_option_function<std::string>(
             option.name,
@@ -160,6 +162,16 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
   add_up_option(command, overrides->up,
                 "Which way is up, for points without a scene file and look-at cameras");
   command.get_option("--up")->group(scene_group);
+  command
+      .add_option_function<std::string>(
+          "--draw",
+          [overrides](const std::string& text) {
+            overrides->draw = text == "splats" ? DrawAs::splats : DrawAs::surfels;
+          },
+          "What files of trained Gaussian splats are drawn as [splats]")
+      ->check(CLI::IsMember({"splats", "surfels"}))
+      ->type_name("splats|surfels")
+      ->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)
       ->group(scene_group);

@@ -30,11 +30,33 @@ std::string describe(const ObjectSource& source) {
   return text + (sequence.gaps ? ", with gaps" : "") + (sequence.cycle ? ", cyclic" : "");
 }
 
+bool any_moves(const std::vector<Eigen::Vector3f>& velocities) {
+  return std::any_of(velocities.begin(), velocities.end(),
+                     [](const Eigen::Vector3f& velocity) { return !velocity.isZero(0.0f); });
+}
+
 bool points_move(const SurfelCloud& cloud, double open, double close) {
   if (open == close || cloud.size() == 0) return false;
   if (cloud.keys.size() > 1) return open < cloud.keys.back().frame && close > cloud.keys.front().frame;
-  return std::any_of(cloud.velocity.begin(), cloud.velocity.end(),
-                     [](const Eigen::Vector3f& velocity) { return !velocity.isZero(0.0f); });
+  return any_moves(cloud.velocity);
+}
+
+/// What an object of splats has otherwise than one of discs.
+void report_splats(const Object& object, double open, double close, ObjectReport& report) {
+  const SplatCloud& splats = object.splats;
+  report.points = splats.size();
+  report.keys = 1;
+  report.splats = true;
+  report.points_move = open != close && any_moves(splats.velocity);
+  report.has_opacity = true;
+  for (const double frame : {open, open + 0.5 * (close - open), close}) {
+    const Eigen::Affine3d world = object.transform.at(frame);
+    for (std::size_t i = 0; i < splats.size(); ++i) {
+      const Eigen::Vector3d center = world * splats.position_at(i, frame);
+      report.low = report.low.cwiseMin(center);
+      report.high = report.high.cwiseMax(center);
+    }
+  }
 }
 
 ObjectReport report_object(const Scene& scene, const Object& object, const ObjectSource& source) {
@@ -56,6 +78,12 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
   report.segments = linear_segments(scene, object, scene.exposure());
   report.low.setConstant(std::numeric_limits<double>::infinity());
   report.high = -report.low;
+  if (object.splats.size() > 0) {
+    if (!object.splats.velocity.empty())
+      report.velocity_unit = source.velocity == VelocityUnit::per_frame ? "per_frame" : "per_second";
+    report_splats(object, open, close, report);
+    return report;
+  }
   for (const double frame : {open, open + 0.5 * (close - open), close}) {
     const Eigen::Affine3d world = object.transform.at(frame);
     for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -21,8 +21,10 @@ struct ObjectReport {
   double longest_streak_px = 0.0;  ///< as longest_streak_px()
   bool has_opacity = false;        ///< some point is not opaque
   bool two_sided = true;
-  int segments = 1;  ///< linear motion segments, resolved
-  /// World-space box of the discs at the shutter's open, middle and close; low > high if there are no points.
+  int segments = 1;     ///< linear motion segments, resolved
+  bool splats = false;  ///< Gaussian splats, not discs
+  /// World-space box of the discs, or of the splats' centres, at the shutter's open, middle and close; low >
+  /// high if there are no points.
   Eigen::Vector3d low, high;
 };
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <new>
 #include <string>
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
-
 #include "abuffer/reference/reference_frame.h"
-
+#include "abuffer/reference/splat_reference.h"
+#include "abuffer/render_valid.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
@@ -20,12 +17,30 @@ namespace {
 /// The kernels that exist at a shutter time. The set lives until the next call.
 using KernelsAt = std::function<const KernelSet&(double tau)>;
 
-/// Adds the still images at the midpoints of `samples` strata of the shutter.
-void expose(const KernelsAt& kernels_at, int samples, reference::FrameSum& sum) {
+/// Says how many still images of all are done.
+class Progress {
+ public:
+  Progress(const RenderControl& control, int images) : control_(control), images_(images) {}
+
+  /// False if the render is to stop.
+  bool one_more() {
+    if (control_.progress) control_.progress(static_cast<double>(++done_) / images_);
+    return !control_.stop.stop_requested();
+  }
+
+ private:
+  const RenderControl& control_;
+  int images_, done_ = 0;
+};
+
+/// Adds the still images at the midpoints of `samples` strata of the shutter. False: stopped on the way.
+bool expose(const KernelsAt& kernels_at, int samples, Progress& progress, reference::FrameSum& sum) {
   for (int i = 0; i < samples; ++i) {
     const double tau = (i + 0.5) / samples;
     sum.add(kernels_at(tau), tau);
+    if (!progress.one_more()) return false;
   }
+  return true;
 }
 
 bool nothing_moves(const KernelSet& set) {
@@ -58,14 +73,16 @@ struct Source {
   const char* motion = "";
 };
 
-Rendered render(const Source& source, const Scene& scene, const ReferenceOptions& options) {
+Result<Rendered> render(const Source& source, const Scene& scene, const ReferenceOptions& options,
+                        const RenderControl& control) {
   Rendered rendered;
   Statistics& statistics = rendered.statistics;
   const int samples = source.still ? 1 : options.samples;
 
   Stopwatch watch;
   reference::FrameSum sum(scene.film, scene.model, scene.background);
-  expose(source.kernels_at, samples, sum);
+  Progress progress(control, source.still ? 1 : samples + samples / 2);
+  if (!expose(source.kernels_at, samples, progress, sum)) return stopped_error();
   rendered.image = sum.mean();
   statistics.time("still images", watch.lap());
 
@@ -73,7 +90,7 @@ Rendered render(const Source& source, const Scene& scene, const ReferenceOptions
   double error = 0.0;
   if (!source.still) {
     reference::FrameSum half(scene.film, scene.model, scene.background);
-    expose(source.kernels_at, samples / 2, half);
+    if (!expose(source.kernels_at, samples / 2, progress, half)) return stopped_error();
     error = rmse_of_rgb(rendered.image, half.mean()) / std::sqrt(6.0);
     instants += half.instants(), fragments += half.fragments(), surfaces += half.surfaces();
     statistics.time("error estimate", watch.lap());
@@ -91,14 +108,17 @@ Rendered render(const Source& source, const Scene& scene, const ReferenceOptions
   return rendered;
 }
 
-Rendered render_segments(const KernelSet& kernels, const Scene& scene, const ReferenceOptions& options) {
+Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
+                                 const ReferenceOptions& options, const RenderControl& control) {
   const auto same_for_all = [&](double) -> const KernelSet& { return kernels; };
-  Rendered rendered = render({same_for_all, nothing_moves(kernels), "linear segments"}, scene, options);
-  add_kernel_counts(kernels, rendered.statistics);
+  Result<Rendered> rendered =
+      render({same_for_all, nothing_moves(kernels), "linear segments"}, scene, options, control);
+  if (rendered) add_kernel_counts(kernels, rendered->statistics);
   return rendered;
 }
 
-Rendered render_smooth(const Scene& scene, const ReferenceOptions& options) {
+Result<Rendered> render_smooth(const Scene& scene, const ReferenceOptions& options,
+                               const RenderControl& control) {
   const Exposure exposure = scene.exposure();
   KernelSet kernels;
   double seconds = 0.0;
@@ -109,28 +129,12 @@ Rendered render_smooth(const Scene& scene, const ReferenceOptions& options) {
     seconds += watch.lap();
     return kernels;
   };
-  Rendered rendered = render({rebuild, nothing_moves(scene, exposure), "the true path"}, scene, options);
-  add_kernel_counts(kernels, rendered.statistics);
-  rendered.statistics.time("kernels", seconds);
+  Result<Rendered> rendered =
+      render({rebuild, nothing_moves(scene, exposure), "the true path"}, scene, options, control);
+  if (!rendered) return rendered;
+  add_kernel_counts(kernels, rendered->statistics);
+  rendered->statistics.time("kernels", seconds);
   return rendered;
-}
-
-Status validate(const Scene& scene, const ReferenceOptions& options) {
-  if (Status status = options.validate(); !status) return status;
-  return scene.validate();
-}
-
-/// Runs `work` on `threads` threads; what runs out is memory, and nothing else is thrown.
-template <class Work>
-Result<Rendered> run_in_arena(int threads, const Work& work) {
-  try {
-    // An arena larger than the machine gains nothing, and makes oneTBB print a warning.
-    const int available = tbb::info::default_concurrency();
-    tbb::task_arena arena(threads > 0 ? std::min(threads, available) : available);
-    return arena.execute(work);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the reference"};
-  }
 }
 
 }  // namespace
@@ -139,27 +143,27 @@ Status ReferenceOptions::validate() const {
   if (samples < 2 || samples > (1 << 20) || samples % 2 != 0) {
     return Error{"", "samples", "must be even and from 2 to 1048576, not " + std::to_string(samples)};
   }
-  if (threads < 0 || threads > 1024) {
-    return Error{"", "threads", "must be from 0 to 1024, not " + std::to_string(threads)};
-  }
   return Done{};
 }
 
 Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
-                                  const ReferenceOptions& options) {
-  if (Status status = validate(scene, options); !status) return status.error();
-  return run_in_arena(options.threads, [&] { return render_segments(kernels, scene, options); });
+                                  const ReferenceOptions& options, const RenderControl& control) {
+  return render_valid(scene, options, control,
+                      [&](const auto&...) { return render_segments(kernels, scene, options, control); });
 }
 
-Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options) {
-  if (Status status = validate(scene, options); !status) return status.error();
-  return run_in_arena(options.threads, [&] {
-    if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options);
+Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
+                                  const RenderControl& control) {
+  if (Status status = options.validate(); !status) return status.error();
+  if (!refuse_splats(scene, "this"))
+    return render_splat_reference(scene, {options.samples, control.threads});
+  return render_valid(scene, options, control, [&](const auto&...) {
+    if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options, control);
     Stopwatch watch;
     const KernelSet kernels = build_kernels(scene);
     const double seconds = watch.lap();
-    Rendered rendered = render_segments(kernels, scene, options);
-    rendered.statistics.time("kernels", seconds);
+    Result<Rendered> rendered = render_segments(kernels, scene, options, control);
+    if (rendered) rendered->statistics.time("kernels", seconds);
     return rendered;
   });
 }

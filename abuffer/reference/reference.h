@@ -5,6 +5,7 @@
 #pragma once
 
 #include "splat/kernel/kernel_set.h"
+#include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
@@ -19,7 +20,6 @@ enum class ReferenceMotion {
 
 struct ReferenceOptions {
   int samples = 256;  ///< N, still images averaged; even, [2, 2²⁰]
-  int threads = 0;    ///< at most so many, [0, 1024]; 0: all there are. Changes no bit
   ReferenceMotion motion = ReferenceMotion::segments;
 
   [[nodiscard]] Status validate() const;
@@ -40,12 +40,18 @@ struct ReferenceOptions {
 /// peak 1 (+∞ where the error is 0); and what KernelSet counts, which for smooth motion is that of the last
 /// instant. The stages overlap in one case: "kernels" of smooth motion is part of the other two.
 ///
-/// Errors: options or scene out of range, and not enough memory.
-[[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options);
+/// A scene of Gaussian splats is that of render_splat_reference(), with its statistics; of `control` it looks
+/// at the threads.
+///
+/// Errors: options, control or scene out of range, splats and discs in one scene, not enough memory, and a
+/// render that was stopped.
+[[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
+                                                const RenderControl& control = {});
 
 /// The same for given kernels: film, background and image model are the scene's, all else is the kernels'.
 /// Always ReferenceMotion::segments.
 [[nodiscard]] Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
-                                                const ReferenceOptions& options);
+                                                const ReferenceOptions& options,
+                                                const RenderControl& control = {});
 
 }  // namespace swept

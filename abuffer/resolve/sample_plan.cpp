@@ -64,7 +64,9 @@ void ErrorEstimate::extrapolate(double falls_by, int count) {
   // What is smooth falls fast until edges lead, which fall by 4; nothing seen so far tells when, and few
   // instants least.
   const double least_fall = count < 12 ? 0.25 : 0.15;
-  squares_ = multiples * alternating_ * std::clamp(falls_by, least_fall, 1.0);
+  const double share = multiples * std::clamp(falls_by, least_fall, 1.0);
+  squares_ = alternating_ * share;
+  per_alternating_ = share / (double{1.0} * count * count);
 }
 
 }  // namespace swept

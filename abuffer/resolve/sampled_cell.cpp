@@ -52,6 +52,12 @@ void SampledCell::begin(const Cell& cell, std::span<const PacketRef> packets) {
   flushed_ = false;
 }
 
+void SampledCell::resume(const Cell& cell, std::span<const PacketRef> packets, const CellImage& so_far) {
+  begin(cell, packets);
+  total_ = so_far;
+  flushed_ = true;
+}
+
 void SampledCell::select(std::span<const ObjectInstant> instants) {
   visible_.clear();
   general_.clear();
@@ -380,6 +386,17 @@ SampledCell::Squares SampledCell::squares() const {
       squares.quarter += even * even + odd * odd;
     }
   return squares;
+}
+
+void SampledCell::alternating_squares(double scale, std::vector<float>& out) const {
+  out.assign(cell_px * cell_px, 0.0f);
+  for (int y = 0; y < cell_.height; ++y)
+    for (int x = 0; x < cell_.width; ++x) {
+      double squares = 0.0;
+      for (const float* sum : {sums_->alternating_red, sums_->alternating_green, sums_->alternating_blue})
+        squares += double{sum[y * cell_pitch + x]} * double{sum[y * cell_pitch + x]};
+      out[static_cast<std::size_t>(y * cell_px + x)] = static_cast<float>(scale * squares);
+    }
 }
 
 void SampledCell::alternate_from_sums(double weight) {

@@ -42,6 +42,8 @@ class SampledCell {
 
   /// Begins a cell. `packets` must outlive what is done with it.
   void begin(const Cell& cell, std::span<const PacketRef> packets);
+  /// Goes on with one that was left at `so_far`, which image(1, so_far) had given.
+  void resume(const Cell& cell, std::span<const PacketRef> packets, const CellImage& so_far);
 
   /// Adds the image at an instant, one ObjectInstant for each object.
   void add(std::span<const ObjectInstant> instants, const InstantWeights& weights);
@@ -53,6 +55,8 @@ class SampledCell {
     double quarter = 0.0;      ///< of the sums of every other instant, even and odd, of R + G + B
   };
   [[nodiscard]] Squares squares() const;
+  /// Of each pixel of cell_px × cell_px, the alternating sums' squares over R, G and B, times `scale`.
+  void alternating_squares(double scale, std::vector<float>& out) const;
   /// Makes the alternating sums those of all instants so far, which have `weight` in all.
   void alternate_from_sums(double weight);
 

@@ -235,6 +235,9 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
       break;
     else if (kind == Front::unsettled)
       end = std::max(event, front.settled_until);
+    else if (front.changes_at < end)
+      // Where the nearest changes, others come into its reach or leave it, with all their weight.
+      end = std::max(event, front.changes_at);
     else
       end = std::max(event, begin + (end - begin) / 2);
     failed = true;

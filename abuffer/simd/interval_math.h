@@ -70,6 +70,7 @@ struct FrontSum {
   float margin = 0.0f;      ///< twice the largest tolerance
   bool opaque = false;      ///< for the caller to find out
   bool behind = false;      ///< something lies behind the front
+  Ticks changes_at = 0;     ///< until then one member stays the nearest
   Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
 };
 

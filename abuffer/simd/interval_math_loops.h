@@ -293,6 +293,7 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
       sum.limit = std::max({sum.limit, times.span[k].limit_begin, times.span[k].limit_end});
   }
   sum.settled_until = times.settled_until;
+  sum.changes_at = times.count > 1 ? times.span[1].begin : end;
   if (times.settled_until < end) return sum;
 
   Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,

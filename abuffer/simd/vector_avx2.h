@@ -43,6 +43,15 @@ SWEPT_LANE std::uint32_t bits(Mask m) { return static_cast<std::uint32_t>(_mm256
 SWEPT_LANE Vector exponent_from_low_bits(Vector a) {
   return {_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_castps_si256(a.x), 23))};
 }
+SWEPT_LANE Vector exponent_of(Vector a) {
+  return {_mm256_cvtepi32_ps(
+      _mm256_sub_epi32(_mm256_srli_epi32(_mm256_castps_si256(a.x), 23), _mm256_set1_epi32(127)))};
+}
+SWEPT_LANE Vector mantissa_of(Vector a) {
+  return {_mm256_castsi256_ps(
+      _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(a.x), _mm256_set1_epi32(0x007fffff)),
+                      _mm256_set1_epi32(0x3f800000)))};
+}
 
 SWEPT_LANE Vector load_4x4(const float* from, std::ptrdiff_t pitch, int part) {
   const float* row = from + 2 * part * pitch;

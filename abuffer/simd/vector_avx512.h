@@ -43,6 +43,15 @@ SWEPT_LANE std::uint32_t bits(Mask m) { return m.set; }
 SWEPT_LANE Vector exponent_from_low_bits(Vector a) {
   return {_mm512_castsi512_ps(_mm512_slli_epi32(_mm512_castps_si512(a.x), 23))};
 }
+SWEPT_LANE Vector exponent_of(Vector a) {
+  return {_mm512_cvtepi32_ps(
+      _mm512_sub_epi32(_mm512_srli_epi32(_mm512_castps_si512(a.x), 23), _mm512_set1_epi32(127)))};
+}
+SWEPT_LANE Vector mantissa_of(Vector a) {
+  return {_mm512_castsi512_ps(
+      _mm512_or_si512(_mm512_and_si512(_mm512_castps_si512(a.x), _mm512_set1_epi32(0x007fffff)),
+                      _mm512_set1_epi32(0x3f800000)))};
+}
 
 SWEPT_LANE Vector load_4x4(const float* from, std::ptrdiff_t pitch, int) {
   __m512 a = _mm512_castps128_ps512(_mm_loadu_ps(from));

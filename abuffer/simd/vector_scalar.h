@@ -46,6 +46,20 @@ inline Vector exponent_from_low_bits(Vector a) {
   return a;
 }
 
+/// Of a positive normal a = 2^e · m with m in [1, 2): e and m.
+inline Vector exponent_of(Vector a) {
+  std::uint32_t word;
+  std::memcpy(&word, &a.x, sizeof word);
+  return {static_cast<float>(static_cast<std::int32_t>(word >> 23) - 127)};
+}
+inline Vector mantissa_of(Vector a) {
+  std::uint32_t word;
+  std::memcpy(&word, &a.x, sizeof word);
+  word = (word & 0x007fffffu) | 0x3f800000u;
+  std::memcpy(&a.x, &word, sizeof word);
+  return a;
+}
+
 /// Lane `part` of the 4 × 4 or 8 × 2 floats that begin at `from`.
 inline Vector load_4x4(const float* from, std::ptrdiff_t pitch, int part) {
   return {from[(part / 4) * pitch + part % 4]};

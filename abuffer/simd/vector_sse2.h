@@ -45,6 +45,13 @@ SWEPT_LANE std::uint32_t bits(Mask m) { return static_cast<std::uint32_t>(_mm_mo
 SWEPT_LANE Vector exponent_from_low_bits(Vector a) {
   return {_mm_castsi128_ps(_mm_slli_epi32(_mm_castps_si128(a.x), 23))};
 }
+SWEPT_LANE Vector exponent_of(Vector a) {
+  return {_mm_cvtepi32_ps(_mm_sub_epi32(_mm_srli_epi32(_mm_castps_si128(a.x), 23), _mm_set1_epi32(127)))};
+}
+SWEPT_LANE Vector mantissa_of(Vector a) {
+  return {_mm_castsi128_ps(_mm_or_si128(_mm_and_si128(_mm_castps_si128(a.x), _mm_set1_epi32(0x007fffff)),
+                                        _mm_set1_epi32(0x3f800000)))};
+}
 
 SWEPT_LANE Vector load_4x4(const float* from, std::ptrdiff_t pitch, int part) {
   return {_mm_loadu_ps(from + part * pitch)};

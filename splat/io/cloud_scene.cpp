@@ -15,6 +15,7 @@
 #include "splat/io/guarded.h"
 #include "splat/io/point_file.h"
 #include "splat/io/sequence.h"
+#include "splat/io/splat_file.h"
 
 namespace swept {
 namespace {
@@ -68,6 +69,26 @@ Result<Brightness> brightness_of(const std::string& path, bool skip_invalid) {
   return Brightness{white, percentile(90) - percentile(10) < 0.25 * white};
 }
 
+/// Of trained splats; those that hardly show are no reason to stand far away, unless there are no others.
+Status look_at_splats(const std::string& path, Sample& sample) {
+  SplatReadOptions options;
+  options.skip_invalid = true;
+  const Result<LoadedSplats> loaded = read_splats(path, options);
+  if (!loaded) return loaded.error();
+  const SplatCloud& splats = loaded->splats;
+  constexpr float seen = 0.1f;
+  const std::size_t step = (splats.size() + most_points - 1) / most_points;
+  for (const float least : {seen, 0.0f}) {
+    if (!sample.points.empty()) break;
+    for (std::size_t i = 0; i < splats.size(); i += step)
+      if (splats.opacity[i] >= least) sample.points.push_back(splats.position[i]);
+  }
+  sample.dropped = loaded->report.dropped;
+  sample.colors = sample.gaussians = true;
+  sample.properties = loaded->report.unread;
+  return Done{};
+}
+
 Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
   ReadOptions options;
   options.skip_invalid = skip_invalid;
@@ -99,9 +120,13 @@ Status look_at(const std::string& path, bool skip_invalid, Sample& sample) {
 
 /// Files evenly from the first to the last. Points that are not finite are dropped from files that stand
 /// alone.
-Result<Sample> sample_of(const std::string& path) {
+Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
   Sample sample;
   if (!is_sequence(path)) {
+    if (draw == DrawAs::splats || (!draw && holds_splats(path))) {
+      if (const Status status = look_at_splats(path, sample); !status) return status.error();
+      return sample;
+    }
     if (const Status status = look_at(path, true, sample); !status) return status.error();
     return sample;
   }
@@ -248,7 +273,7 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
                               const SceneOverrides& overrides) {
   if (overrides.up && (!overrides.up->allFinite() || overrides.up->isZero(0.0)))
     return Error{path, "up", "the up vector must be finite and not zero"};
-  const Result<Sample> sample = sample_of(path);
+  const Result<Sample> sample = sample_of(path, overrides.draw);
   if (!sample) return sample.error();
   std::string file = path;
   if (!sample->numbers.empty()) {
@@ -309,7 +334,7 @@ Result<CloudScene> scene_of_points(const std::string& path, const std::string& f
 }
 
 Result<SceneFile> read_scene_or_points(const std::string& path, const SceneOverrides& overrides) {
-  if (!is_point_file_name(path)) return read_scene_file(path, overrides);
+  if (!is_point_file_name(path) && !is_splat_file_name(path)) return read_scene_file(path, overrides);
   return io::guarded(path, [&]() -> Result<SceneFile> {
     const std::string folder = std::filesystem::path(path).parent_path().string();
     SceneOverrides wanted = overrides;

@@ -49,6 +49,10 @@ std::vector<JsonNode> JsonNode::elements() const {
   return nodes;
 }
 
+JsonNode JsonNode::at(std::size_t index) const {
+  return {(*value_)[index], *file_, join_pointer(pointer_, std::to_string(index))};
+}
+
 double JsonNode::number() const {
   expect(value_->is_number(), "a number");
   return value_->get<double>();

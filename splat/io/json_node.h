@@ -4,6 +4,7 @@
 // function catches it, so that parsing code reads as a list of what a file may hold.
 #pragma once
 
+#include <cstddef>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -42,6 +43,9 @@ class JsonNode {
   /// Members of an object in the order of their keys, or elements of an array.
   [[nodiscard]] std::vector<std::string> keys() const;
   [[nodiscard]] std::vector<JsonNode> elements() const;
+
+  /// Element `index` of an array. Precondition: there is one.
+  [[nodiscard]] JsonNode at(std::size_t index) const;
 
   [[nodiscard]] double number() const;
   [[nodiscard]] double positive() const;

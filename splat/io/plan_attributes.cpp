@@ -147,10 +147,10 @@ void plan_gaussians(const ColumnIndex& index, AttributePlan& plan) {
 Error no_position(const std::string& path, const std::vector<Column>& columns, const ColumnIndex& index) {
   // Files of PlayCanvas hold four numbers in words of 32 bits, relative to the bounds of chunks.
   if (index.usual(kPacked)) {
-    return {
-        path, kPacked,
-        "this is a compressed splat file of PlayCanvas, which is not read; convert it to a plain splat PLY "
-        "file, for example with PlayCanvas's splat-transform"};
+    return {path, kPacked,
+            "these are splats that PlayCanvas packed, which are read as splats and not as points; convert "
+            "them to a "
+            "plain splat PLY file, for example with PlayCanvas's splat-transform"};
   }
   std::vector<std::string> names;
   for (const Column& column : columns) names.push_back(column.name);

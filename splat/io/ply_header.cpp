@@ -53,7 +53,7 @@ class HeaderParser {
   explicit HeaderParser(const std::string& path) : path_(path) {}
 
   Status take(const std::vector<std::string_view>& words) {
-    if (words[0] == "comment" || words[0] == "obj_info") return Done{};
+    if (words[0] == "comment" || words[0] == "obj_info") return take_comment(words);
     if (words[0] == "format") return take_format(words);
     if (words[0] == "element") return take_element(words);
     if (words[0] == "property") return take_property(words);
@@ -66,6 +66,12 @@ class HeaderParser {
  private:
   [[nodiscard]] Error fail(const std::string& field, const std::string& reason) const {
     return Error{path_, field, reason};
+  }
+
+  Status take_comment(const std::vector<std::string_view>& words) {
+    for (std::size_t i = 1; i < words.size(); ++i) (header.comments += i > 1 ? " " : "") += words[i];
+    header.comments += '\n';
+    return Done{};
   }
 
   Status take_format(const std::vector<std::string_view>& words) {
@@ -121,6 +127,18 @@ class HeaderParser {
 
 bool PlyElement::has_lists() const {
   return std::any_of(properties.begin(), properties.end(), [](const PlyProperty& p) { return p.is_list; });
+}
+
+std::optional<std::size_t> PlyElement::find(std::string_view name_of_property) const {
+  for (std::size_t p = 0; p < properties.size(); ++p)
+    if (!properties[p].is_list && properties[p].name == name_of_property) return p;
+  return std::nullopt;
+}
+
+const PlyElement* PlyHeader::find(std::string_view name_of_element) const {
+  for (const PlyElement& element : elements)
+    if (element.name == name_of_element) return &element;
+  return nullptr;
 }
 
 Result<PlyHeader> parse_ply_header(const std::string& path, std::string_view bytes) {

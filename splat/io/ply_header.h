@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,12 +32,18 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   [[nodiscard]] bool has_lists() const;
+  /// Where the property of this name is, if it is no list.
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view name_of_property) const;
 };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
+  std::string comments;  ///< their lines, without the word itself
   std::size_t body = 0;  ///< offset of the first byte after the header
+
+  /// Null if there is none.
+  [[nodiscard]] const PlyElement* find(std::string_view name_of_element) const;
 };
 
 /// Errors: not a PLY header, unknown formats and types, names declared twice. Counts are not compared with

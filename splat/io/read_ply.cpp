@@ -1,9 +1,7 @@
 // PLY with positions in double, both byte orders, lists anywhere, and triangle strips. Written here rather
 // than taken from PCL or OpenMesh: those read positions as float and believe the header's counts.
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -11,81 +9,11 @@
 #include "splat/io/attributes.h"
 #include "splat/io/file_bytes.h"
 #include "splat/io/ply_header.h"
+#include "splat/io/ply_numbers.h"
 #include "splat/io/read_formats.h"
 
 namespace swept {
 namespace {
-
-template <class T>
-double load(const char* from, bool swap) {
-  std::array<char, sizeof(T)> raw;
-  std::memcpy(raw.data(), from, sizeof(T));
-  if (swap) std::reverse(raw.begin(), raw.end());
-  return static_cast<double>(std::bit_cast<T>(raw));
-}
-
-double load_number(const char* from, PlyType type, bool swap) {
-  if (type.kind == PlyType::Kind::real) {
-    return type.bytes == 4 ? load<float>(from, swap) : load<double>(from, swap);
-  }
-  const bool is_signed = type.kind == PlyType::Kind::signed_integer;
-  if (type.bytes == 1) return is_signed ? load<std::int8_t>(from, swap) : load<std::uint8_t>(from, swap);
-  if (type.bytes == 2) return is_signed ? load<std::int16_t>(from, swap) : load<std::uint16_t>(from, swap);
-  return is_signed ? load<std::int32_t>(from, swap) : load<std::uint32_t>(from, swap);
-}
-
-/// The numbers of the body, one after the other. next() gives none at the end or at what is no number;
-/// fault() then tells which.
-class NumberStream {
- public:
-  NumberStream(std::string_view body, PlyFormat format)
-      : body_(body),
-        ascii_(format == PlyFormat::ascii),
-        swap_((format == PlyFormat::big_endian) != (std::endian::native == std::endian::big)) {}
-
-  std::optional<double> next(PlyType type) {
-    if (!ascii_) {
-      if (body_.size() < type.bytes) return std::nullopt;
-      const double value = load_number(body_.data(), type, swap_);
-      body_.remove_prefix(type.bytes);
-      return value;
-    }
-    body_.remove_prefix(std::min(body_.find_first_not_of(one_line_ ? " \t" : " \t\r\n"), body_.size()));
-    token_ = body_.substr(0, body_.find_first_of(" \t\r\n"));
-    body_.remove_prefix(token_.size());
-    return parse_number(token_);
-  }
-
-  /// In ASCII, holds the numbers up to end_row() to one line, so that a short row cannot eat into the next.
-  void begin_row() {
-    if (ascii_) body_.remove_prefix(std::min(body_.find_first_not_of(" \t\r\n"), body_.size()));
-    one_line_ = true;
-  }
-  /// Whether nothing else stands in the row.
-  bool end_row() {
-    one_line_ = false;
-    if (!ascii_) return true;
-    token_ = body_.substr(0, body_.find_first_not_of(" \t\r"));
-    body_.remove_prefix(token_.size());
-    return body_.empty() || body_.front() == '\n';
-  }
-
-  [[nodiscard]] std::string fault() const {
-    if (ascii_ && !token_.empty()) return not_a_number(token_);
-    return body_.empty() || !ascii_ ? "the file ends here" : "the line ends here";
-  }
-  /// Bytes that `count` numbers of this type take at the least.
-  [[nodiscard]] bool can_hold(std::uint64_t count, std::uint64_t least_bytes) const {
-    // One more: the last number of an ASCII file needs no blank after it.
-    return least_bytes == 0 || count <= (body_.size() + 1) / least_bytes;
-  }
-  [[nodiscard]] std::size_t least_bytes(PlyType type) const { return ascii_ ? 2 : type.bytes; }
-  [[nodiscard]] std::size_t bytes_left() const { return body_.size(); }
-
- private:
-  std::string_view body_, token_;
-  bool ascii_, swap_, one_line_ = false;
-};
 
 double full_scale_of(PlyType type) {
   if (type.kind == PlyType::Kind::real) return 0.0;
@@ -250,7 +178,7 @@ class PlyReader {
   const std::string& path_;
   PlyHeader header_;
   const ReadOptions& options_;
-  NumberStream stream_;
+  PlyNumbers stream_;
   std::uint64_t vertex_count_ = 0;
   std::vector<Column> columns_;
   std::vector<std::size_t> column_of_;  ///< of each property of the vertices, the first

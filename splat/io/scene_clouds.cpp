@@ -7,6 +7,7 @@
 
 #include "splat/io/json_text.h"
 #include "splat/io/scene_clouds.h"
+#include "splat/io/scene_splats.h"
 #include "splat/io/source_files.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -103,6 +104,32 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   return loaded;
 }
 
+/// Into the object, with notes: splats where they are to be drawn as such, else a cloud.
+Status SceneFile::load_object(std::size_t i, const Generator& generator) {
+  const ObjectSource& source = sources_[i];
+  std::vector<std::string>& notes = clouds_->objects[i].notes;
+  // Without the file's name, so that the frames of a sequence do not all say the same again.
+  const auto note = [&](std::vector<std::string> lines, const ReadReport& report) {
+    notes = std::move(lines);
+    for (std::string& line : report.lines()) notes.push_back(std::move(line));
+  };
+  if (io::draws_splats(source)) {
+    Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_.fps);
+    if (!loaded)
+      return loaded.error().file.empty()
+                 ? Error{path_, io::join_pointer(source.pointer, loaded.error().field), loaded.error().reason}
+                 : loaded.error();
+    scene_.objects[i].splats = std::move(loaded->splats);
+    note(std::move(loaded->notes), loaded->report);
+    return Done{};
+  }
+  Result<LoadedCloud> loaded = load(source, generator);
+  if (!loaded) return loaded.error();
+  scene_.objects[i].cloud = std::move(loaded->cloud);
+  note(std::move(loaded->notes), loaded->report);
+  return Done{};
+}
+
 Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generator) {
   if (!(std::abs(frame) <= most_frame))
     return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
@@ -113,14 +140,10 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
     if (state.keep) continue;
     // Before the next one is read, so that two never share the memory.
     scene_.objects[i].cloud = {};
+    scene_.objects[i].splats = {};
     state.notes.clear();
     try {
-      Result<LoadedCloud> loaded = load(sources_[i], generator);
-      if (!loaded) return loaded.error();
-      scene_.objects[i].cloud = std::move(loaded->cloud);
-      state.notes = std::move(loaded->notes);
-      // Without the file's name, so that the frames of a sequence do not all say the same again.
-      for (std::string& line : loaded->report.lines()) state.notes.push_back(std::move(line));
+      if (const Status status = load_object(i, generator); !status) return status.error();
       state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
     } catch (const std::bad_alloc&) {
       return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};

@@ -48,6 +48,7 @@ void override_fields(const FieldValues& values, const std::string& path, Scene& 
 /// What the file and the overrides lead to, whatever of it is spelt out in the file.
 std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
+  if (overrides.draw) text.push_back(*overrides.draw == DrawAs::splats ? "splats" : "surfels");
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
   return text.dump();
@@ -130,6 +131,9 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
     if (!(overrides.points_scale > 0.0) || !std::isfinite(overrides.points_scale))
       return Error{path, "points_scale", "must be a finite number above 0"};
     file.points_scale_ = overrides.points_scale;
+    if (overrides.draw)
+      for (ObjectSource& source : file.sources_)
+        if (std::holds_alternative<FileSource>(source.points)) source.draw = overrides.draw;
     if (const Status valid = file.scene_.validate(); !valid)
       return Error{path, valid.error().field, valid.error().reason};
     document->erase("$schema");

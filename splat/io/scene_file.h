@@ -61,10 +61,15 @@ struct SequenceSource {
   StoredColor stored;
 };
 
+/// As what the Gaussian splats of a file are drawn.
+enum class DrawAs { splats, surfels };
+
 /// Where an object's points come from, and what is done to them before they are rendered.
 struct ObjectSource {
   std::variant<GeneratorSource, FileSource, SequenceSource> points;
   std::string pointer;  ///< JSON pointer of the object, for messages
+  /// Of a single file; without it, splats where the file holds trained ones.
+  std::optional<DrawAs> draw;
   VelocityUnit velocity = VelocityUnit::per_second;
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
   bool color_by_normals = false;                              ///< the same, from each disc's normal
@@ -78,7 +83,8 @@ struct SceneOverrides {
   /// By the pointers of splat/fields.h, as in {"/film/width", {640}}. "/image/segments" is for all objects,
   /// those that name their own included.
   FieldValues fields;
-  double points_scale = 1.0;  ///< multiplies the point counts of generated objects; > 0
+  std::optional<DrawAs> draw;  ///< of all objects that have files of trained splats
+  double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp or COLMAP, in place of the scene's camera; empty: none.
   std::string camera_file;
   /// Of every key of a look-at camera, and of the view of points that come without a scene; not zero.
@@ -117,6 +123,7 @@ class SceneFile {
   friend Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                            const SceneOverrides& overrides, std::vector<std::string> notes);
   SceneFile();
+  [[nodiscard]] Status load_object(std::size_t i, const Generator& generator);
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
   [[nodiscard]] Result<std::string> hash_of(double frame) const;
   /// An error of source_files(), seen from the scene file.

@@ -162,8 +162,8 @@ VelocityUnit parse_velocity(const JsonNode& node, bool generated) {
 }  // namespace
 
 ParsedObject parse_object(const JsonNode& node, const std::string& folder, double default_frame) {
-  node.expect_keys(
-      {"name", "source", "velocity", "transform", "color", "radius", "radius_scale", "facing", "segments"});
+  node.expect_keys({"name", "source", "velocity", "transform", "color", "radius", "radius_scale", "facing",
+                    "segments", "draw"});
   ParsedObject parsed;
   Object& object = parsed.object;
   ObjectSource& source = parsed.source;
@@ -201,6 +201,10 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   if (const auto scale = node.find("radius_scale")) source.radius_scale = scale->positive();
   if (const auto facing = node.find("facing"))
     object.two_sided = facing->one_of({"two_sided", "one_sided"}) == 0;
+  if (const auto draw = node.find("draw")) {
+    if (!file) draw->fail("goes with a single \"file\"");
+    source.draw = draw->one_of({"splats", "surfels"}) == 0 ? DrawAs::splats : DrawAs::surfels;
+  }
   if (const auto segments = node.find("segments"))
     object.segments = static_cast<int>(segments->integer(1, 4096));
   return parsed;

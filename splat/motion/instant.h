@@ -36,9 +36,9 @@ struct Instant {
 
 /// Whether object, points and camera keep their bits over the whole exposure.
 [[nodiscard]] inline bool stands_still(const Scene& scene, const Object& object, const Exposure& exposure) {
-  return exposure.instant() ||
-         (!object.cloud.moves() && object.transform.constant_over(exposure.open, exposure.close) &&
-          scene.camera.constant_over(exposure.open, exposure.close));
+  return exposure.instant() || (!object.cloud.moves() && object.splats.velocity.empty() &&
+                                object.transform.constant_over(exposure.open, exposure.close) &&
+                                scene.camera.constant_over(exposure.open, exposure.close));
 }
 
 }  // namespace swept

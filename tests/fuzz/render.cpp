@@ -13,10 +13,9 @@ using fuzz::any_scene, fuzz::check_pixels, fuzz::check_same, fuzz::reversed;
 
 Image render(const Scene& scene, int tile_px = 32, std::size_t tile_fragments = 1u << 20) {
   AbufferOptions options;
-  options.threads = 1;
   options.tile_px = tile_px;
   options.tile_fragments = tile_fragments;
-  Result<Rendered> rendered = render_abuffer(scene, options);
+  Result<Rendered> rendered = render_abuffer(scene, options, {.threads = 1});
   SWEPT_HOLDS(rendered.ok());
   return std::move(rendered->image);
 }

@@ -56,9 +56,8 @@ float brightest(const Scene& scene) {
 void check_reference(const Image& image, const Scene& scene, int samples) {
   ReferenceOptions options;
   options.samples = samples;
-  options.threads = 1;
   options.motion = ReferenceMotion::smooth;
-  const Result<Rendered> reference = render_reference(scene, options);
+  const Result<Rendered> reference = render_reference(scene, options, {.threads = 1});
   SWEPT_HOLDS(reference.ok());
   const double largest = double{brightest(scene)};
   std::size_t off = 0;

@@ -41,7 +41,7 @@ void load_and_render(SceneFile file) {
   }
   for (const Object& object : (*scene)->objects)
     if (std::max(object.segments, (*scene)->model.segments) > 8) return;
-  const Result<Rendered> rendered = render_abuffer(**scene, {.threads = 1});
+  const Result<Rendered> rendered = render_abuffer(**scene, {}, {.threads = 1});
   // What a file says was found valid; what can still be wrong is what it leads to together with its clouds.
   if (rendered)
     check_image(rendered->image);

@@ -10,7 +10,7 @@ set(swept_package ${CMAKE_INSTALL_LIBDIR}/cmake/swept)
 install(DIRECTORY splat/ DESTINATION ${swept_include}/splat
         FILES_MATCHING PATTERN "*.h" PATTERN "io" EXCLUDE PATTERN "instant.h" EXCLUDE PATTERN "flip.h" EXCLUDE
         PATTERN "srgb.h" EXCLUDE PATTERN "stopwatch.h" EXCLUDE)
-foreach(header atomic_file cloud_source image_file point_file read_report scene_file sequence surfel_estimate)
+foreach(header atomic_file cloud_source image_file point_file read_report scene_file sequence splat_file surfel_estimate)
   install(FILES splat/io/${header}.h DESTINATION ${swept_include}/splat/io)
 endforeach()
 install(FILES abuffer/abuffer.h abuffer/layers.h abuffer/sampled.h DESTINATION ${swept_include}/abuffer)

@@ -19,11 +19,18 @@ using Renderer = std::function<Result<Rendered>(const Scene&)>;
 
 constexpr const char* reference_id = "reference";
 
+RenderControl control_of(const MethodOptions& options) {
+  RenderControl control;
+  control.threads = options.threads;
+  return control;
+}
+
 Renderer abuffer(Normalisation normalisation, const MethodOptions& options) {
   AbufferOptions abuffer;
-  abuffer.threads = options.threads;
   abuffer.normalisation = normalisation;
-  return [abuffer](const Scene& scene) { return render_abuffer(scene, abuffer); };
+  return [abuffer, control = control_of(options)](const Scene& scene) {
+    return render_abuffer(scene, abuffer, control);
+  };
 }
 
 Renderer gpu(bool still_frames, int subframes, const MethodOptions& options) {
@@ -131,9 +138,10 @@ Result<Renderer> renderer_of(const Setting& setting, const MethodOptions& option
   if (setting.method == reference_id) {
     ReferenceOptions reference;
     reference.samples = value;
-    reference.threads = options.threads;
     reference.motion = ReferenceMotion::smooth;
-    return Renderer([=](const Scene& scene) { return render_reference(scene, reference); });
+    return Renderer([reference, control = control_of(options)](const Scene& scene) {
+      return render_reference(scene, reference, control);
+    });
   }
   if (setting.method == "abuffer") return abuffer(Normalisation::interval, options);
   if (setting.method == "abuffer-segments") return abuffer(Normalisation::interval, options);
@@ -146,9 +154,9 @@ Result<Renderer> renderer_of(const Setting& setting, const MethodOptions& option
       sampled.samples = value;
     else
       sampled.max_error_db = value;
-    RenderControl control;
-    control.threads = options.threads;
-    return Renderer([=](const Scene& scene) { return render_sampled(scene, sampled, control); });
+    return Renderer([sampled, control = control_of(options)](const Scene& scene) {
+      return render_sampled(scene, sampled, control);
+    });
   }
   if (setting.method == "raycast") {
     RaycastOptions rays;

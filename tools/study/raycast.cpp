@@ -9,7 +9,6 @@
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
 #include "abuffer/render_valid.h"
@@ -118,7 +117,7 @@ class Tracer {
   std::vector<std::uint32_t> indices_;
 };
 
-Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given) {
+Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given, const RenderControl&) {
   RaycastOptions options = given;
   Rendered out;
   Stopwatch watch;
@@ -136,19 +135,16 @@ Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given)
   out.image = blank_image(scene.film);
   const Image& image = out.image;
   std::uint64_t hits = 0;
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::enumerable_thread_specific<std::unique_ptr<Tracer>> tracers(
-        [&] { return std::make_unique<Tracer>(scene, set, shades, *volumes, options, out.image); });
-    const tbb::blocked_range2d<int> film(image.y, image.y + image.height, kTile, image.x,
-                                         image.x + image.width, kTile);
-    parallel_for_parts(film, [&](const auto& part) {
-      Tracer& tracer = *tracers.local();
-      for (int y = part.rows().begin(); y != part.rows().end(); ++y)
-        for (int x = part.cols().begin(); x != part.cols().end(); ++x) tracer.trace(x, y);
-    });
-    for (const auto& tracer : tracers) hits += tracer->hits;
+  tbb::enumerable_thread_specific<std::unique_ptr<Tracer>> tracers(
+      [&] { return std::make_unique<Tracer>(scene, set, shades, *volumes, options, out.image); });
+  const tbb::blocked_range2d<int> film(image.y, image.y + image.height, kTile, image.x, image.x + image.width,
+                                       kTile);
+  parallel_for_parts(film, [&](const auto& part) {
+    Tracer& tracer = *tracers.local();
+    for (int y = part.rows().begin(); y != part.rows().end(); ++y)
+      for (int x = part.cols().begin(); x != part.cols().end(); ++x) tracer.trace(x, y);
   });
+  for (const auto& tracer : tracers) hits += tracer->hits;
   out.statistics.time("trace", watch.lap());
   out.statistics.count("samples", options.samples);
   out.statistics.count("rays", static_cast<double>(image.pixel_count()) * options.samples);
@@ -162,7 +158,9 @@ Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given)
 bool raycast_available() { return true; }
 
 Result<Rendered> render_raycast(const Scene& scene, const RaycastOptions& options) {
-  return render_valid(scene, options, render_checked);
+  RenderControl control;
+  control.threads = options.threads;
+  return render_valid(scene, options, control, render_checked);
 }
 
 }  // namespace swept

@@ -1,0 +1,368 @@
+#include "abuffer/reference/splat_reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "abuffer/parallel.h"
+
+namespace swept {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Rows of pixels that a thread takes at once.
+constexpr int band_rows = 8;
+
+/// IEC 61966-2-1, continued oddly below 0 and by its formula above 1.
+double decoded(double s) {
+  const double v = std::abs(s);
+  return std::copysign(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4), s);
+}
+double encoded(double linear) {
+  const double v = std::abs(linear);
+  return std::copysign(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055, linear);
+}
+
+/// Real spherical harmonics with the signs of Kerbl et al.; degree by degree, orders −l … l.
+std::array<double, 16> harmonics_towards(const Vector3d& direction) {
+  const double x = direction.x(), y = direction.y(), z = direction.z();
+  const double pi = M_PI, xx = x * x, yy = y * y, zz = z * z;
+  const double c1 = std::sqrt(3.0 / (4.0 * pi)), c2 = 0.5 * std::sqrt(15.0 / pi);
+  const double c3 = 0.25 * std::sqrt(35.0 / (2.0 * pi)), c4 = 0.25 * std::sqrt(21.0 / (2.0 * pi));
+  return {0.5 * std::sqrt(1.0 / pi),
+          -c1 * y,
+          c1 * z,
+          -c1 * x,
+          c2 * x * y,
+          -c2 * y * z,
+          0.25 * std::sqrt(5.0 / pi) * (2.0 * zz - xx - yy),
+          -c2 * x * z,
+          0.5 * c2 * (xx - yy),
+          -c3 * y * (3.0 * xx - yy),
+          0.5 * std::sqrt(105.0 / pi) * x * y * z,
+          -c4 * y * (4.0 * zz - xx - yy),
+          0.25 * std::sqrt(7.0 / pi) * z * (2.0 * zz - 3.0 * xx - 3.0 * yy),
+          -c4 * x * (4.0 * zz - xx - yy),
+          0.25 * std::sqrt(105.0 / pi) * z * (xx - yy),
+          -c3 * x * (xx - 3.0 * yy)};
+}
+
+/// A splat as one instant sees it.
+struct Seen {
+  double depth = 0.0, opacity = 0.0;
+  Vector3d color;
+  Vector2d center;       ///< px
+  Matrix2d from_offset;  ///< inverse covariance, 1/px²: r² = dᵀ·M·d
+  bool flat = false;
+  Vector3d at, normal, dual_u, dual_v;  ///< of a disc, camera space
+  int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+};
+
+/// Where rays of the film go at one instant.
+struct View {
+  CameraInstant camera;
+  double focal_x, focal_y, center_x, center_y;  ///< px
+
+  View(const Scene& scene, double frame) : camera(scene.camera.at(frame)) {
+    const Projection p = projection_of(scene.film, camera);
+    focal_x = p.focal_px * camera.lens.stretch_x, focal_y = p.focal_px;
+    center_x = p.center_x, center_y = p.center_y;
+  }
+};
+
+struct Pixel {
+  Vector3d color = Vector3d::Zero();
+  double light = 1.0;  ///< transmittance
+  double depth = 0.0;  ///< weighted by what each adds to alpha
+  bool done = false;
+};
+
+/// What instants add up to.
+struct PixelSum {
+  Vector3d color = Vector3d::Zero();  ///< linear, the background included
+  double alpha = 0.0, depth = 0.0;    ///< without the background
+};
+
+bool blends_linearly(const Scene& scene, const Object& object) {
+  if (scene.splats.blending != SplatBlending::file) return scene.splats.blending == SplatBlending::linear;
+  return object.splats.colors == SplatColors::linear;
+}
+
+/// Adds still images up.
+class Frame {
+ public:
+  explicit Frame(const Scene& scene) : scene_(scene), model_(scene.splats), image_(blank_image(scene.film)) {
+    sums_.resize(image_.pixel_count());
+    for (const Object& object : scene.objects)
+      if (object.splats.size() > 0) linear_ = blends_linearly(scene, object);
+  }
+
+  void add(double frame) {
+    const View view(scene_, frame);
+    seen_.clear();
+    for (const Object& object : scene_.objects) see(object, view, frame);
+    std::stable_sort(seen_.begin(), seen_.end(),
+                     [](const Seen& a, const Seen& b) { return a.depth < b.depth; });
+    const auto bands = static_cast<std::size_t>((image_.height + band_rows - 1) / band_rows);
+    std::vector<std::uint64_t> fragments(bands);
+    parallel_for_each_index(bands, [&](std::size_t band) {
+      fragments[band] = draw(view, image_.y + static_cast<int>(band) * band_rows);
+    });
+    fragments_ = std::accumulate(fragments.begin(), fragments.end(), fragments_);
+    ++instants_;
+  }
+
+  [[nodiscard]] Image mean() const {
+    Image image = image_;
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      const PixelSum& sum = sums_[i];
+      const double alpha = sum.alpha / instants_;
+      for (int c = 0; c < 3; ++c)
+        image.rgba[4 * i + static_cast<std::size_t>(c)] = static_cast<float>(sum.color[c] / instants_);
+      image.rgba[4 * i + 3] = static_cast<float>(alpha + (1.0 - alpha) * double{scene_.background[3]});
+      image.depth[i] = sum.alpha > 0.0 ? static_cast<float>(sum.depth / sum.alpha)
+                                       : std::numeric_limits<float>::infinity();
+    }
+    return image;
+  }
+
+  [[nodiscard]] std::uint64_t fragments() const { return fragments_; }
+
+ private:
+  void see(const Object& object, const View& view, double frame);
+  [[nodiscard]] bool project(const Matrix3d& axes, const SplatCloud& cloud, const View& view,
+                             Seen& seen) const;
+  [[nodiscard]] bool place_disc(const Matrix3d& axes, const View& view, Seen& seen) const;
+  void bound(Seen& seen, const Vector2d& reach) const;
+  [[nodiscard]] double distance_squared(const Seen& seen, const View& view, int x, int y) const;
+  [[nodiscard]] std::uint64_t draw(const View& view, int y_begin);
+  void finish(const Pixel& pixel, PixelSum& sum) const;
+
+  const Scene& scene_;
+  const SplatModel& model_;
+  Image image_;
+  std::vector<PixelSum> sums_;
+  std::vector<Seen> seen_;
+  bool linear_ = false;
+  double instants_ = 0.0;
+  std::uint64_t fragments_ = 0;
+};
+
+void Frame::see(const Object& object, const View& view, double frame) {
+  const SplatCloud& cloud = object.splats;
+  const Eigen::Affine3d world_from_object = object.transform.at(frame);
+  // Colours turn with the object, and are mirrored with it; they are not stretched.
+  Matrix3d turn = world_from_object.linear();
+  for (int i = 0; i < 3; ++i)
+    if (turn.col(i).norm() > 0.0) turn.col(i).normalize();
+  const Matrix3d camera_from_object = view.camera.camera_from_world.linear() * world_from_object.linear();
+  const auto coefficients = static_cast<std::size_t>(SplatCloud::coefficients(cloud.degree));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    Vector3d position = cloud.position[i];
+    if (!cloud.velocity.empty()) position += cloud.velocity[i].cast<double>() * (frame - cloud.frame);
+    const Vector3d from_eye = world_from_object * position - view.camera.eye;
+    Seen seen;
+    seen.at = view.camera.camera_from_world.linear() * from_eye;
+    seen.depth = seen.at.z();
+    seen.opacity = double{cloud.opacity[i]};
+    if (!(seen.depth > model_.near)) continue;
+    const Matrix3d axes = camera_from_object * cloud.rotation[i].cast<double>().toRotationMatrix() *
+                          cloud.scale[i].cast<double>().asDiagonal();
+    seen.center = {view.center_x + view.focal_x * seen.at.x() / seen.depth,
+                   view.center_y + view.focal_y * seen.at.y() / seen.depth};
+    if (!(cloud.flat ? place_disc(axes, view, seen) : project(axes, cloud, view, seen))) continue;
+    const std::array<double, 16> basis = harmonics_towards((turn.transpose() * from_eye).stableNormalized());
+    const float* harmonics = cloud.harmonics.data() + 3 * coefficients * i;
+    for (int c = 0; c < 3; ++c) {
+      double value = 0.5;
+      for (std::size_t k = 0; k < coefficients; ++k)
+        value += basis[k] * double{harmonics[3 * k + static_cast<std::size_t>(c)]};
+      seen.color[c] = std::max(0.0, value);
+    }
+    seen_.push_back(seen);
+  }
+}
+
+/// Kerbl et al., section 4: Σ' = J W Σ Wᵀ Jᵀ, and what the film adds to it.
+bool Frame::project(const Matrix3d& axes, const SplatCloud& cloud, const View& view, Seen& seen) const {
+  // x/z and y/z in J are held to 0.3 of half the film beyond its edge, as in the implementations.
+  constexpr double beyond = 0.3;
+  const auto held = [&](double tangent, double center, double size, double focal) {
+    const double margin = beyond * 0.5 * size / focal;
+    return std::clamp(tangent, -center / focal - margin, (size - center) / focal + margin);
+  };
+  const double z = seen.depth;
+  const double x = held(seen.at.x() / z, view.center_x, image_.film_width, view.focal_x);
+  const double y = held(seen.at.y() / z, view.center_y, image_.film_height, view.focal_y);
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << view.focal_x / z, 0.0, -view.focal_x * x / z, 0.0, view.focal_y / z, -view.focal_y * y / z;
+  const Eigen::Matrix<double, 2, 3> on_film = jacobian * axes;
+  const Matrix2d before = on_film * on_film.transpose();
+  const Matrix2d covariance = before + model_.dilation_px2 * Matrix2d::Identity();
+  const double determinant = covariance.determinant();
+  if (!(determinant > 0.0) || !covariance.allFinite()) return false;
+  if (cloud.filter == SplatFilter::antialiased)
+    seen.opacity *= std::sqrt(std::max(0.0, before.determinant() / determinant));
+  seen.from_offset = covariance.inverse();
+  bound(seen, covariance.diagonal().cwiseSqrt());
+  return true;
+}
+
+/// Huang et al., section 4: a ray meets the disc's plane.
+bool Frame::place_disc(const Matrix3d& axes, const View&, Seen& seen) const {
+  seen.flat = true;
+  const Vector3d u = axes.col(0), v = axes.col(1), normal = u.cross(v);
+  const double square = normal.squaredNorm();
+  seen.normal.setZero();
+  if (square > 0.0) {
+    seen.normal = normal;
+    seen.dual_u = v.cross(normal) / square;
+    seen.dual_v = normal.cross(u) / square;
+  }
+  seen.x_begin = image_.x, seen.x_end = image_.x + image_.width;
+  seen.y_begin = image_.y, seen.y_end = image_.y + image_.height;
+  return true;
+}
+
+/// `reach` is one standard deviation of each coordinate.
+void Frame::bound(Seen& seen, const Vector2d& reach) const {
+  const double over = seen.opacity / model_.least_alpha;
+  if (!(over >= 1.0)) return;
+  const Vector2d half = std::sqrt(2.0 * std::log(over)) * reach;
+  const auto whole = [](double value, int low, int high) {
+    return static_cast<int>(std::clamp(value, double{1.0} * low, double{1.0} * high));
+  };
+  const int right = image_.x + image_.width, bottom = image_.y + image_.height;
+  seen.x_begin = whole(std::floor(seen.center.x() - half.x() - 1.0), image_.x, right);
+  seen.x_end = whole(std::ceil(seen.center.x() + half.x() + 1.0), image_.x, right);
+  seen.y_begin = whole(std::floor(seen.center.y() - half.y() - 1.0), image_.y, bottom);
+  seen.y_end = whole(std::ceil(seen.center.y() + half.y() + 1.0), image_.y, bottom);
+}
+
+/// In standard deviations, from the centre of pixel (x, y).
+double Frame::distance_squared(const Seen& seen, const View& view, int x, int y) const {
+  const Vector2d pixel(x + 0.5, y + 0.5), offset = pixel - seen.center;
+  if (!seen.flat) return offset.dot(seen.from_offset * offset);
+  // The low-pass: a Gaussian of √½ px about the projected centre.
+  const double screen = 2.0 * offset.squaredNorm();
+  const Vector3d ray((pixel.x() - view.center_x) / view.focal_x, (pixel.y() - view.center_y) / view.focal_y,
+                     1.0);
+  const double along = seen.normal.dot(ray);
+  if (along == 0.0) return screen;
+  const double depth = seen.normal.dot(seen.at) / along;
+  if (!(depth > model_.near)) return screen;
+  const Vector3d from_center = depth * ray - seen.at;
+  const double u = seen.dual_u.dot(from_center), v = seen.dual_v.dot(from_center);
+  return std::min(screen, u * u + v * v);
+}
+
+std::uint64_t Frame::draw(const View& view, int y_begin) {
+  const int y_end = std::min(y_begin + band_rows, image_.y + image_.height);
+  const auto pitch = static_cast<std::size_t>(image_.width);
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y - y_begin) * pitch + static_cast<std::size_t>(x - image_.x);
+  };
+  std::vector<Pixel> pixels(pitch * static_cast<std::size_t>(y_end - y_begin));
+  std::uint64_t fragments = 0;
+  for (const Seen& seen : seen_)
+    for (int y = std::max(seen.y_begin, y_begin); y < std::min(seen.y_end, y_end); ++y)
+      for (int x = seen.x_begin; x < seen.x_end; ++x) {
+        Pixel& pixel = pixels[index(x, y)];
+        if (pixel.done) continue;
+        const double gauss = std::exp(-0.5 * distance_squared(seen, view, x, y));
+        const double alpha = std::min(model_.most_alpha, seen.opacity * gauss);
+        if (!(alpha >= model_.least_alpha)) continue;
+        const double left = pixel.light * (1.0 - alpha);
+        if (left < model_.least_light) {
+          pixel.done = true;
+          continue;
+        }
+        pixel.color += pixel.light * alpha * seen.color;
+        pixel.depth += pixel.light * alpha * seen.depth;
+        pixel.light = left;
+        ++fragments;
+      }
+  PixelSum* sum = sums_.data() + static_cast<std::size_t>(y_begin - image_.y) * pitch;
+  for (const Pixel& pixel : pixels) finish(pixel, *sum++);
+  return fragments;
+}
+
+/// Splats are blended over what is behind them in the values they were trained in.
+void Frame::finish(const Pixel& pixel, PixelSum& sum) const {
+  for (int c = 0; c < 3; ++c) {
+    const double behind = double{scene_.background[c]};
+    sum.color[c] += linear_ ? pixel.color[c] + pixel.light * behind
+                            : decoded(pixel.color[c] + pixel.light * encoded(behind));
+  }
+  sum.alpha += 1.0 - pixel.light;
+  sum.depth += pixel.depth;
+}
+
+Status validate(const Scene& scene, const SplatReferenceOptions& options) {
+  if (options.samples < 1 || options.samples > 1 << 20)
+    return Error{"", "samples", "must be from 1 to 1048576, not " + std::to_string(options.samples)};
+  if (options.threads < 0 || options.threads > 1024)
+    return Error{"", "threads", "must be from 0 to 1024, not " + std::to_string(options.threads)};
+  if (Status status = scene.validate(); !status) return status;
+  const Object* first = nullptr;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    const std::string field = "/objects/" + std::to_string(i);
+    if (object.cloud.size() > 0)
+      return Error{"", field, "is made of discs, which this reference does not draw"};
+    if (object.splats.size() == 0) continue;
+    if (first != nullptr && blends_linearly(scene, *first) != blends_linearly(scene, object))
+      return Error{"", field,
+                   "is blended in other values than another object's splats; say in which with "
+                   "/splats/blending"};
+    first = &object;
+  }
+  return Done{};
+}
+
+Rendered render(const Scene& scene, const SplatReferenceOptions& options) {
+  const Exposure exposure = scene.exposure();
+  const int samples = exposure.instant() ? 1 : options.samples;
+  Frame sum(scene);
+  for (int i = 0; i < samples; ++i) sum.add(exposure.at((i + 0.5) / samples));
+  Rendered rendered;
+  rendered.image = sum.mean();
+  double splats = 0.0;
+  for (const Object& object : scene.objects) splats += static_cast<double>(object.splats.size());
+  rendered.statistics.count("samples", samples);
+  rendered.statistics.count("splats", splats);
+  rendered.statistics.count("fragments", static_cast<double>(sum.fragments()));
+  rendered.statistics.effect(samples == 1 ? "motion blur: skipped, for the shutter is closed or one sample"
+                                          : "motion blur: " + std::to_string(samples) + " still images");
+  return rendered;
+}
+
+}  // namespace
+
+Result<Rendered> render_splat_reference(const Scene& scene, const SplatReferenceOptions& options) {
+  if (Status status = validate(scene, options); !status) return status.error();
+  try {
+    const int available = tbb::info::default_concurrency();
+    tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, available) : available);
+    return arena.execute([&] { return render(scene, options); });
+  } catch (const std::bad_alloc&) {
+    return Error{"", "", "not enough memory to render the reference"};
+  }
+}
+
+}  // namespace swept

@@ -1,0 +1,28 @@
+// The reference for Gaussian splats: the plain mean of still images, in double precision, splat by splat and
+// pixel by pixel. It shares nothing with the engine.
+//
+// Sources: model section 13; Kerbl et al. 2023, 3D Gaussian Splatting (projection, blending, constants);
+// Yu et al. 2023, Mip-Splatting (antialiased files); Huang et al. 2024, 2D Gaussian Splatting (discs).
+#pragma once
+
+#include "splat/rendered.h"
+#include "splat/result.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+struct SplatReferenceOptions {
+  int samples = 256;  ///< N, still images averaged, [1, 2²⁰]
+  int threads = 0;    ///< at most so many, [0, 1024]; 0: all there are. Changes no bit
+};
+
+/// The mean of N still images at the midpoints of N strata of the exposure, in linear light. A closed shutter
+/// takes one. Splats at the same depth are in the order of the scene.
+///
+/// Statistics: "samples" N, "splats", and "fragments": places where a splat was blended into a pixel.
+///
+/// Errors: options or scene out of range, discs in the scene, and not enough memory.
+[[nodiscard]] Result<Rendered> render_splat_reference(const Scene& scene,
+                                                      const SplatReferenceOptions& options);
+
+}  // namespace swept

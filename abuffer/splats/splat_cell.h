@@ -1,0 +1,55 @@
+// Splats in one cell of the film at one instant after another.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "abuffer/simd/splat_math.h"
+#include "abuffer/splats/splat_row.h"
+#include "splat/image.h"
+
+namespace swept {
+
+/// Σ over pixels of squared sums, as ErrorEstimate takes them.
+struct SplatSquares {
+  double alternating = 0.0;  ///< of R, G and B
+  double grey = 0.0;         ///< of their sum
+  double quarter = 0.0;      ///< of the sums of every other instant, even and odd, of R + G + B
+};
+
+/// What a cell's tiles add up to.
+struct CellOfSplats {
+  SplatSums tiles[tiles_a_cell] = {};
+
+  [[nodiscard]] SplatSquares squares(const Cell& cell) const;
+  /// Makes the alternating sums those of all instants so far.
+  void alternate_from_sums();
+  /// The mean of instants of `total` weight, into `image`.
+  void store(const Cell& cell, double total, float background_alpha, Image& image) const;
+};
+
+/// A thread's: memory is kept from cell to cell.
+class SplatPainter {
+ public:
+  SplatPainter(const SplatMath& math, const SplatRule& rule) : math_(math), rule_(rule) {}
+
+  /// Adds the image at an instant: `standing` and `moving` are placed, and shared out to cell `index`.
+  void add(const Cell& cell, std::size_t index, const SplatRow& standing, const SplatRow& moving,
+           const InstantWeights& weights, CellOfSplats& sums);
+
+  std::uint64_t looks = 0;  ///< of a splat and a block of 16 pixels
+
+ private:
+  void merge(std::size_t index, const SplatRow& standing, const SplatRow& moving);
+
+  const SplatMath& math_;
+  SplatRule rule_;
+  SplatTile tile_;
+  std::vector<std::uint32_t> merged_, of_tile_[tiles_a_cell];
+};
+
+[[nodiscard]] SplatRule splat_rule(const Scene& scene);
+
+}  // namespace swept

@@ -1,0 +1,260 @@
+#include "abuffer/splats/splat_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <mutex>
+
+#include "abuffer/parallel.h"
+#include "abuffer/splats/splat_cell.h"
+#include "abuffer/tiles/path_frames.h"
+
+namespace swept {
+namespace {
+
+/// Packets that one thread follows before it takes more.
+constexpr std::size_t packets_a_run = 128;
+
+/// One pixel of so many each way is looked at.
+constexpr int pitch_px = 4;
+
+/// Side of a film on which splats are followed beyond the real one's edges.
+constexpr int wide_film_px = 65536;
+
+using Lanes = std::array<PlacedSplat, static_cast<std::size_t>(packet_size)>;
+
+/// A packet's splats at one frame, lane by lane.
+struct PlacedLanes {
+  std::uint32_t seen = 0;
+  Lanes lanes;
+};
+
+PlacedLanes placed_lanes(const SplatMath& math, const SplatFields& fields, const SplatView& view,
+                         const SplatOrigin& origin) {
+  PlacedLanes placed;
+  Lanes compact;
+  placed.seen = math.place(fields, view, origin, compact.data());
+  std::size_t next = 0;
+  for (std::uint32_t rest = placed.seen; rest != 0; rest &= rest - 1)
+    placed.lanes[static_cast<std::size_t>(std::countr_zero(rest))] = compact[next++];
+  return placed;
+}
+
+double center_x(const PlacedSplat& s) { return double{s.pixel_x} + 0.5 - double{s.center_x}; }
+double center_y(const PlacedSplat& s) { return double{s.pixel_y} + 0.5 - double{s.center_y}; }
+
+/// A vector on the film in standard deviations of a splat.
+double in_deviations(const PlacedSplat& s, double dx, double dy) {
+  constexpr double half_log2_e = 0.72134752044448170;
+  const double u = double{s.ux} * dx + double{s.uy} * dy, v = double{s.vy} * dy;
+  return std::sqrt((u * u + v * v) / half_log2_e);
+}
+
+struct Box {
+  double x_first, x_last, y_first, y_last;
+
+  explicit Box(const PlacedSplat& s)
+      : x_first(s.x_first), x_last(s.x_last), y_first(s.y_first), y_last(s.y_last) {}
+  void join(const Box& other) {
+    x_first = std::min(x_first, other.x_first), x_last = std::max(x_last, other.x_last);
+    y_first = std::min(y_first, other.y_first), y_last = std::max(y_last, other.y_last);
+  }
+  /// How far the middle one of three lies from half-way between the others.
+  static double bend(const Box& a, const Box& m, const Box& b) {
+    const auto off = [](double first, double middle, double last) {
+      return std::abs(middle - 0.5 * (first + last));
+    };
+    return std::max(std::max(off(a.x_first, m.x_first, b.x_first), off(a.x_last, m.x_last, b.x_last)),
+                    std::max(off(a.y_first, m.y_first, b.y_first), off(a.y_last, m.y_last, b.y_last)));
+  }
+};
+
+void largest(std::atomic<float>& most, float value) {
+  float seen = most.load(std::memory_order_relaxed);
+  while (seen < value && !most.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+}
+
+}  // namespace
+
+SplatMotion::SplatMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+                         const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
+    : touched_(grid.size(), 0), spread_(grid.size(), 0.0f) {
+  std::vector<std::vector<float>> spreads(sets.size());
+  bool any = false;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (!sets[i].moves) continue;
+    any = true;
+    follow(scene, exposure, sets[i], math, grid, spreads[i]);
+  }
+  if (!any) return;
+  for (const double share : {0.0, 0.5, 1.0})
+    look(scene, sets, spreads, exposure.at(share), standing, math, grid);
+}
+
+void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
+                         const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
+  std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
+  // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
+  const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
+  if (frames.empty()) frames = {exposure.open, exposure.close};
+  std::vector<SplatPose> poses;
+  poses.reserve(2 * frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i > 0) poses.emplace_back(scene, set, 0.5 * frames[i - 1] + 0.5 * frames[i]);
+    poses.emplace_back(scene, set, frames[i]);
+  }
+  const int shift_x = (wide_film_px - grid.film.width) / 2, shift_y = (wide_film_px - grid.film.height) / 2;
+  for (SplatPose& pose : poses) pose.view.film_width = pose.view.film_height = wide_film_px;
+
+  spreads.assign(set.count * static_cast<std::size_t>(packet_size), 0.0f);
+  std::vector<std::atomic<char>> touched(grid.size());
+  std::atomic<bool> lost{anywhere}, jumps{jumps_};
+  std::atomic<float> fastest{fastest_px_}, widest{fastest_spread_};
+  parallel_for_each_index((set.count + packets_a_run - 1) / packets_a_run, [&](std::size_t r) {
+    std::vector<PlacedLanes> at(poses.size());
+    for (std::size_t p = r * packets_a_run; p < std::min((r + 1) * packets_a_run, set.count); ++p) {
+      for (std::size_t k = 0; k < poses.size(); ++k) {
+        SplatOrigin origin = poses[k].origin(set, p);
+        origin.pixel_x += shift_x, origin.pixel_y += shift_y;
+        at[k] = placed_lanes(math, set.fields(p), poses[k].view, origin);
+      }
+      for (std::size_t lane = 0; lane < static_cast<std::size_t>(packet_size); ++lane) {
+        const auto seen = [&](std::size_t k) { return (at[k].seen >> lane & 1u) != 0; };
+        double length = 0.0, spread = 0.0;
+        for (std::size_t k = 0; k + 1 < at.size(); ++k) {
+          if (!seen(k) || !seen(k + 1)) {
+            // Through the near plane, or from far away.
+            if (seen(k) != seen(k + 1)) {
+              lost.store(true, std::memory_order_relaxed);
+              const PlacedSplat& one = at[seen(k) ? k : k + 1].lanes[lane];
+              if (one.x_last >= shift_x && one.x_first < shift_x + grid.film.width && one.y_last >= shift_y &&
+                  one.y_first < shift_y + grid.film.height)
+                jumps.store(true, std::memory_order_relaxed);
+            }
+            continue;
+          }
+          const PlacedSplat &a = at[k].lanes[lane], &b = at[k + 1].lanes[lane];
+          const double dx = center_x(b) - center_x(a), dy = center_y(b) - center_y(a);
+          length += std::hypot(dx, dy);
+          spread += 0.5 * (in_deviations(a, dx, dy) + in_deviations(b, dx, dy));
+        }
+        largest(fastest, static_cast<float>(length));
+        largest(widest, static_cast<float>(spread));
+        spreads[p * static_cast<std::size_t>(packet_size) + lane] = static_cast<float>(spread);
+        if (anywhere) continue;
+        for (std::size_t k = 0; k + 2 < at.size(); k += 2) {
+          if (!seen(k) || !seen(k + 1) || !seen(k + 2)) continue;
+          const Box first(at[k].lanes[lane]), middle(at[k + 1].lanes[lane]), last(at[k + 2].lanes[lane]);
+          Box box = first;
+          box.join(middle);
+          box.join(last);
+          // A smooth path is nowhere farther from its chord than about where the middle is.
+          const double padding = 1.0 + 2.0 * Box::bend(first, middle, last);
+          const double left = box.x_first - shift_x - padding, right = box.x_last - shift_x + padding;
+          const double top = box.y_first - shift_y - padding, bottom = box.y_last - shift_y + padding;
+          if (right < 0.0 || bottom < 0.0 || left >= grid.film.width || top >= grid.film.height) continue;
+          const auto cell = [](double px, std::size_t count) {
+            return static_cast<std::size_t>(
+                std::clamp(std::floor(px / cell_px), 0.0, static_cast<double>(count - 1)));
+          };
+          for (std::size_t y = cell(top, grid.rows); y <= cell(bottom, grid.rows); ++y)
+            for (std::size_t x = cell(left, grid.columns); x <= cell(right, grid.columns); ++x)
+              touched[y * grid.columns + x].store(1, std::memory_order_relaxed);
+        }
+      }
+    }
+  });
+  jumps_ = jumps;
+  fastest_px_ = fastest, fastest_spread_ = widest;
+  for (std::size_t cell = 0; cell < grid.size(); ++cell)
+    if (lost || touched[cell] != 0) touched_[cell] = 1;
+}
+
+/// Draws one of every few pixels with squared spreads in place of colours.
+void SplatMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
+                       const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
+                       const SplatMath& math, const CellGrid& grid) {
+  std::vector<PlacedSplat> splats;
+  std::vector<std::size_t> discs;
+  const auto add = [&](PlacedSplat splat, float spread, bool disc) {
+    // Pixel i of the coarse film is the fine one's middle one of its i-th few.
+    constexpr int middle = pitch_px / 2;
+    const int x_first = (std::max(0, splat.x_first - middle) + pitch_px - 1) / pitch_px;
+    const int y_first = (std::max(0, splat.y_first - middle) + pitch_px - 1) / pitch_px;
+    const int x_last = splat.x_last < middle ? -1 : (splat.x_last - middle) / pitch_px;
+    const int y_last = splat.y_last < middle ? -1 : (splat.y_last - middle) / pitch_px;
+    if (x_first > x_last || y_first > y_last) return;
+    constexpr float pitch = pitch_px;
+    splat.center_x = (static_cast<float>(middle) - splat.pixel_x + splat.center_x) / pitch;
+    splat.center_y = (static_cast<float>(middle) - splat.pixel_y + splat.center_y) / pitch;
+    splat.pixel_x = splat.pixel_y = 0.0f;
+    splat.ux *= pitch, splat.uy *= pitch, splat.vy *= pitch;
+    if (disc) splat.gx *= pitch, splat.gy *= pitch;
+    splat.x_first = static_cast<std::uint16_t>(x_first), splat.x_last = static_cast<std::uint16_t>(x_last);
+    splat.y_first = static_cast<std::uint16_t>(y_first), splat.y_last = static_cast<std::uint16_t>(y_last);
+    splat.red = spread * spread;
+    if (disc) discs.push_back(splats.size());
+    splats.push_back(splat);
+  };
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (!sets[i].moves) continue;
+    const SplatPose pose(scene, sets[i], frame);
+    for (std::size_t p = 0; p < sets[i].count; ++p) {
+      const PlacedLanes at = placed_lanes(math, sets[i].fields(p), pose.view, pose.origin(sets[i], p));
+      for (std::uint32_t rest = at.seen; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+        add(at.lanes[lane], spreads[i][p * static_cast<std::size_t>(packet_size) + lane],
+            sets[i].object->splats.flat);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < standing.size(); ++i) add(standing.splats()[i], 0.0f, standing.is_disc(i));
+
+  std::vector<std::uint32_t> order = by_depth(splats);
+  for (const std::size_t disc : discs) {
+    // Flags follow the splats they belong to.
+    splats[disc].blue = -1.0f;
+  }
+  for (std::uint32_t& index : order)
+    if (splats[index].blue < 0.0f) index |= disc_flag;
+  const SplatRule rule = splat_rule(scene);
+  const std::size_t columns = static_cast<std::size_t>((grid.film.width - 1) / pitch_px / tile_px + 1),
+                    rows = static_cast<std::size_t>((grid.film.height - 1) / pitch_px / tile_px + 1);
+  // A tile of the coarse film covers whole cells.
+  constexpr int px_a_cell = cell_px / pitch_px, cells_a_tile = tile_px / px_a_cell;
+  static_assert(cells_a_tile * px_a_cell == tile_px);
+  parallel_for_each_index(columns * rows, [&](std::size_t t) {
+    const int x = static_cast<int>(t % columns) * tile_px, y = static_cast<int>(t / columns) * tile_px;
+    std::vector<std::uint32_t> list;
+    for (const std::uint32_t index : order) {
+      const PlacedSplat& s = splats[index & splat_index];
+      if (s.x_first < x + tile_px && s.x_last >= x && s.y_first < y + tile_px && s.y_last >= y)
+        list.push_back(index);
+    }
+    const auto tile = std::make_unique<SplatTile>();
+    math.clear(*tile);
+    math.draw({{splats.data(), splats.data()}, list.data(), list.size()}, x, y, rule, *tile);
+    for (int i = 0; i < tile_floats; ++i) {
+      const int px = x + 4 * (i / 16 % 8) + i % 4, py = y + 4 * (i / 128) + i / 4 % 4;
+      const auto column = static_cast<std::size_t>(px / px_a_cell),
+                 row = static_cast<std::size_t>(py / px_a_cell);
+      if (column >= grid.columns || row >= grid.rows) continue;
+      float& most = spread_[row * grid.columns + column];
+      most = std::max(most, std::sqrt(tile->blocks[i / 16].red[i % 16]));
+    }
+  });
+}
+
+int first_splat_instants(float spread, double max_error_db) {
+  // The error falls as a bell's spectrum does: its logarithm with the square of N.
+  const double scale = std::sqrt(std::max(0.1, (max_error_db - 17.0) / 43.0));
+  const double wanted = std::max(2.0, (1.0 + 0.5 * double{spread}) * scale);
+  int count = 2;
+  while (count < wanted && count < (1 << 14))
+    count = (count & (count - 1)) == 0 ? count + count / 2 : count / 3 * 4;
+  return count;
+}
+
+}  // namespace swept

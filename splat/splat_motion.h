@@ -1,0 +1,36 @@
+// How splats of a scene that was trained in motion move, turn and fade by themselves.
+//
+// Source: Li et al. 2024, Spacetime Gaussian Feature Splatting, the "lite" model. Time is that of training: 0
+// is the first of the pictures, 1 is one picture beyond the last. With Δt = time − center
+//   position + path₁ Δt + path₂ Δt² + path₃ Δt³,   rotation + Δt turn (normalised),   opacity · e^−(Δt /
+//   duration)²
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/result.h"
+#include "splat/splat_cloud.h"
+
+namespace swept {
+
+/// Every array has an entry for each splat of a cloud, which holds what they are at Δt = 0.
+struct SplatMotion {
+  std::vector<float> center;                         ///< τ
+  std::vector<float> duration;                       ///< above 0
+  std::vector<std::array<Eigen::Vector3f, 3>> path;  ///< object units per time, time² and time³
+  std::vector<Eigen::Vector4f> turn;  ///< w x y z per time, added to the cloud's unit quaternion
+
+  /// Counts are the cloud's, every number is finite and in its range. The error's field names the array and
+  /// the first offending index; its file is left for the caller to fill in.
+  [[nodiscard]] Status validate(std::size_t splats) const;
+};
+
+/// The cloud as it stands at that time, without velocities. A rotation that comes to nothing is the cloud's
+/// own. Precondition: motion.validate(cloud.size()).
+[[nodiscard]] SplatCloud splats_at(const SplatCloud& cloud, const SplatMotion& motion, double time);
+
+}  // namespace swept
