@@ -19,7 +19,7 @@
 #include "abuffer/resolve/sample_plan.h"
 #include "abuffer/splats/splat_cell.h"
 #include "abuffer/splats/splat_estimate.h"
-#include "abuffer/splats/splat_motion.h"
+#include "abuffer/splats/film_motion.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
 #include "abuffer/splats/splat_surfaces.h"
@@ -148,7 +148,7 @@ class SplatFrame {
   SplatRule rule_;
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
-  std::unique_ptr<SplatMotion> motion_;
+  std::unique_ptr<FilmMotion> motion_;
   std::unique_ptr<SplatSurfaces> surfaces_;
   std::vector<CellWork> cells_;
   double allowed_mean_square_ = 0.0;
@@ -164,7 +164,7 @@ void SplatFrame::plan() {
   const bool any_moves =
       std::any_of(sets_.begin(), sets_.end(), [](const SplatPackets& set) { return set.moves; });
   if (any_moves && !exposure_.instant())
-    motion_ = std::make_unique<SplatMotion>(scene_, exposure_, sets_, standing_, math_, grid_);
+    motion_ = std::make_unique<FilmMotion>(scene_, exposure_, sets_, standing_, math_, grid_);
   double moving_px = 0.0;
   int most = 1;
   for (std::size_t c = 0; c < grid_.size(); ++c) {
