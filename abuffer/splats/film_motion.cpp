@@ -86,7 +86,7 @@ float typical(std::vector<float>& spreads) {
 }  // namespace
 
 FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-                         const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
+                       const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
     : touched_(grid.size(), 0), spread_(grid.size(), 0.0f) {
   std::vector<std::vector<float>> spreads(sets.size());
   bool any = false;
@@ -101,7 +101,7 @@ FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::
 }
 
 void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
-                         const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
+                        const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
   std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
   // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
   const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
@@ -188,8 +188,8 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
 
 /// Draws one of every few pixels with squared spreads in place of colours.
 void FilmMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
-                       const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
-                       const SplatMath& math, const CellGrid& grid) {
+                      const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
+                      const SplatMath& math, const CellGrid& grid) {
   std::vector<PlacedSplat> splats;
   std::vector<std::size_t> discs;
   const auto add = [&](PlacedSplat splat, float spread, bool disc) {
