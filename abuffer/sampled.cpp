@@ -20,6 +20,7 @@
 #include "abuffer/sources/instant_table.h"
 #include "abuffer/sources/point_packets.h"
 #include "abuffer/splats/splat_frame.h"
+#include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
 #include "splat/stopwatch.h"
 
@@ -351,9 +352,6 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (of_splats) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (options.max_seconds > 0.0)
-      return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
-    if (options.error_channel) return Error{"", "error_channel", "is not known of splats yet"};
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
     return of_splats ? render_splats(all...) : Renderer(all...).render();

@@ -86,6 +86,19 @@ void CellOfSplats::store(const Cell& cell, double total, float background_alpha,
   });
 }
 
+void CellOfSplats::store_error(const Cell& cell, double per_alternating, const Image& image,
+                               std::vector<float>& channel) const {
+  for_each_pixel(cell, [&](std::size_t tile, std::size_t i, int x, int y) {
+    if (x < image.x || x >= image.x + image.width || y < image.y || y >= image.y + image.height) return;
+    const SplatSums& sums = tiles[tile];
+    const double red = double{sums.alternating_red[i]}, green = double{sums.alternating_green[i]},
+                 blue = double{sums.alternating_blue[i]};
+    channel[static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
+            static_cast<std::size_t>(x - image.x)] =
+        static_cast<float>(std::sqrt(per_alternating * (red * red + green * green + blue * blue) / 3.0));
+  });
+}
+
 /// Both rows' splats of a cell, nearest first; what stands still first where both are at one depth.
 void SplatPainter::merge(std::size_t index, const SplatRow& standing, const SplatRow& moving) {
   const std::span<const std::uint32_t> still = standing.cell(index), others = moving.cell(index);

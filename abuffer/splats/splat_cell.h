@@ -29,6 +29,9 @@ struct CellOfSplats {
   void alternate_from_sums();
   /// The mean of instants of `total` weight, into `image`.
   void store(const Cell& cell, double total, float background_alpha, Image& image) const;
+  /// √ of a third of so much of every pixel's squared alternating sums, into a channel of `image`'s window.
+  void store_error(const Cell& cell, double per_alternating, const Image& image,
+                   std::vector<float>& channel) const;
 };
 
 /// A thread's: memory is kept from cell to cell.

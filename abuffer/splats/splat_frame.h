@@ -5,9 +5,6 @@
 
 namespace swept {
 
-/// Whether render_splats() draws a scene that has splats.
-[[nodiscard]] Status check_splats(const Scene& scene);
-
 /// As render_sampled(), of a scene that is valid and passes check_splats(), with splats and perhaps discs.
 /// Runs in the caller's task arena.
 [[nodiscard]] Result<Rendered> render_splats(const Scene& scene, const SampledOptions& options,

@@ -1,4 +1,4 @@
-#include "abuffer/splats/splat_motion.h"
+#include "abuffer/splats/film_motion.h"
 
 #include <algorithm>
 #include <array>
@@ -85,8 +85,8 @@ float typical(std::vector<float>& spreads) {
 
 }  // namespace
 
-SplatMotion::SplatMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-                         const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
+FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+                       const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
     : touched_(grid.size(), 0), spread_(grid.size(), 0.0f) {
   std::vector<std::vector<float>> spreads(sets.size());
   bool any = false;
@@ -100,8 +100,8 @@ SplatMotion::SplatMotion(const Scene& scene, const Exposure& exposure, const std
     look(scene, sets, spreads, exposure.at(share), standing, math, grid);
 }
 
-void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
-                         const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
+void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
+                        const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
   std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
   // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
   const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
@@ -187,9 +187,9 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
 }
 
 /// Draws one of every few pixels with squared spreads in place of colours.
-void SplatMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
-                       const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
-                       const SplatMath& math, const CellGrid& grid) {
+void FilmMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
+                      const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
+                      const SplatMath& math, const CellGrid& grid) {
   std::vector<PlacedSplat> splats;
   std::vector<std::size_t> discs;
   const auto add = [&](PlacedSplat splat, float spread, bool disc) {

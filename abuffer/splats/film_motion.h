@@ -15,11 +15,11 @@
 
 namespace swept {
 
-class SplatMotion {
+class FilmMotion {
  public:
   /// Follows every splat of `sets` that moves. `standing` are placed. Runs in the caller's task arena.
-  SplatMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-              const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
+  FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+             const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
 
   /// Whether anything moves in a cell at any time of the exposure, perhaps.
   [[nodiscard]] bool moves(std::size_t cell) const { return touched_[cell] != 0; }
