@@ -10,9 +10,9 @@
 
 namespace swept {
 
-/// One more number of each pixel, by the name that an EXR has it by: "normal.x".
+/// A number for every pixel of an image besides its colour, row by row as in Image.
 struct ImageChannel {
-  std::string name;
+  std::string name;  ///< as in a file: "error", "normal.x"
   std::vector<float> values;
 };
 

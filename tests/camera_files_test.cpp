@@ -9,6 +9,7 @@
 
 #include "splat/io/scene_file.h"
 #include "tests/command.h"
+#include "tests/gltf_files.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
@@ -227,6 +228,139 @@ TEST_F(CameraFiles, ColmapsFaultsAreNamedByLine) {
   put(folder_ / "images.bin", "");
   expect_refused("", "in binary; colmap model_converter");
   expect_refused("none.txt", "cannot be opened");
+}
+
+using swept_test::raw;
+
+/// A .glb of a camera node below another one, with accessors of floats one after the other.
+struct GltfCamera {
+  std::string nodes, animation;
+  std::vector<std::pair<const char*, std::vector<float>>> accessors;  ///< type and numbers
+
+  [[nodiscard]] std::string bytes(
+      const std::string& camera = R"("type":"perspective","perspective":{"yfov":0.8})") const {
+    std::string buffer, views, list;
+    for (const auto& [type, numbers] : accessors) {
+      const std::size_t width = std::string(type) == "SCALAR" ? 1 : std::string(type) == "VEC3" ? 3 : 4;
+      const std::string comma = views.empty() ? "" : ",";
+      views += comma + "{\"buffer\":0,\"byteOffset\":" + std::to_string(buffer.size()) +
+               ",\"byteLength\":" + std::to_string(4 * numbers.size()) + "}";
+      list += comma + "{\"bufferView\":" + std::to_string(index_of(numbers)) +
+              ",\"componentType\":5126,\"type\":\"" + type +
+              "\",\"count\":" + std::to_string(numbers.size() / width) + "}";
+      for (const float number : numbers) buffer += raw(number);
+    }
+    std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"cameras":[{)" +
+                       camera + "}],\"nodes\":[" + nodes + "]";
+    if (!accessors.empty())
+      text += ",\"animations\":[" + animation + "],\"accessors\":[" + list + "],\"bufferViews\":[" + views +
+              "],\"buffers\":[{\"byteLength\":" + std::to_string(buffer.size()) + "}]";
+    return swept_test::glb(text + "}", buffer);
+  }
+
+ private:
+  [[nodiscard]] std::size_t index_of(const std::vector<float>& numbers) const {
+    std::size_t index = 0;
+    while (&accessors[index].second != &numbers) ++index;
+    return index;
+  }
+};
+
+TEST_F(CameraFiles, GltfCamerasStandWhereTheirNodesAre) {
+  // The parent turns by 90 degrees about y and doubles: (0, 1, 3) before it is (6, 2, 0) + (0.5, 0, 0).
+  GltfCamera gltf;
+  gltf.nodes = R"({"children":[1],"rotation":[0,0.70710678118654757,0,0.70710678118654757],"scale":[2,2,2],
+                   "translation":[0.5,0,0]},{"camera":0,"translation":[0,1,3]})";
+  put(folder_ / "a.glb", gltf.bytes());
+  const SceneFile file = read("a.glb");
+  Eigen::Matrix4d truth = pose(std::numbers::pi / 2.0, {6.5, 2, 0});
+  const double focal = 240.0 / std::tan(0.4);
+  for (const Vector3d& p : points)
+    EXPECT_LT((seen(file.scene(), 1, p) - expected(truth, {focal, focal, 320, 240}, p)).norm(), 1e-9);
+  EXPECT_EQ(file.scene().camera.poses.size(), 1u);
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"orthographic","orthographic":{"xmag":1,"ymag":1})"));
+  expect_refused("a.glb", "/cameras/0/type: only perspective");
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"perspective","perspective":{"yfov":4})"));
+  expect_refused("a.glb", "yfov: must be below pi");
+  gltf.nodes = "{}";
+  put(folder_ / "a.glb", gltf.bytes());
+  expect_refused("a.glb", "there is no camera in its scene");
+  put(folder_ / "a.glb", "glTF");
+  expect_refused("a.glb", "");
+}
+
+TEST_F(CameraFiles, GltfAnimationsAreFollowed) {
+  GltfCamera gltf;
+  gltf.nodes = R"({"children":[1]},{"camera":0,"translation":[0,0,5]})";
+  const auto animated = [&](const char* curve, const char* path, std::size_t node, const char* type,
+                            const std::vector<float>& times, const std::vector<float>& values) {
+    gltf.accessors = {{"SCALAR", times}, {type, values}};
+    gltf.animation = std::string(R"({"samplers":[{"input":0,"output":1,"interpolation":")") + curve +
+                     R"("}],"channels":[{"sampler":0,"target":{"node":)" + std::to_string(node) +
+                     R"(,"path":")" + path + R"("}}]})";
+    put(folder_ / "a.glb", gltf.bytes());
+    return read("a.glb");
+  };
+  const auto eye = [](const SceneFile& file, double seconds) {
+    return file.scene().camera.at(1.0 + 24.0 * seconds).eye;
+  };
+  const SceneFile linear = animated("LINEAR", "translation", 1, "VEC3", {0.5f, 1.5f}, {0, 0, 5, 4, 0, 7});
+  EXPECT_LT((eye(linear, 0.0) - Vector3d(0, 0, 5)).norm(), 1e-12);
+  EXPECT_LT((eye(linear, 0.75) - Vector3d(1, 0, 5.5)).norm(), 1e-12);
+  EXPECT_LT((eye(linear, 9.0) - Vector3d(4, 0, 7)).norm(), 1e-12);
+  EXPECT_EQ(linear.scene().camera.poses.size(), 2u);
+
+  const SceneFile step = animated("STEP", "translation", 1, "VEC3", {0, 1}, {0, 0, 5, 4, 0, 7});
+  EXPECT_LT((eye(step, 0.99) - Vector3d(0, 0, 5)).norm(), 1e-12);
+  EXPECT_LT((eye(step, 1.0) - Vector3d(4, 0, 7)).norm(), 1e-12);
+
+  // 1 at rest becomes 3 with the slope 2 at its end: by Hermite's formula 1.75 half-way.
+  const SceneFile cubic = animated("CUBICSPLINE", "translation", 1, "VEC3", {0, 1},
+                                   {0, 0, 0, 1, 0, 5, 0, 0, 0, 2, 0, 0, 3, 0, 5, 0, 0, 0});
+  EXPECT_LT((eye(cubic, 0.5) - Vector3d(1.75, 0, 5)).norm(), 1e-12);
+  EXPECT_GT(cubic.scene().camera.poses.size(), 100u);
+
+  // A parent that turns carries the camera around on an arc, not on its chord.
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  const SceneFile around = animated("LINEAR", "rotation", 0, "VEC4", {0, 1}, {0, 0, 0, 1, 0, h, 0, h});
+  const Vector3d half = eye(around, 0.5);
+  EXPECT_NEAR(half.norm(), 5.0, 1e-6);
+  EXPECT_NEAR(half.x(), 5.0 * std::sqrt(0.5), 1e-5);
+  const Vector2d middle = seen(around.scene(), 1.0 + 12.0, Vector3d(0, 0, 0));
+  EXPECT_LT((middle - Vector2d(320, 240)).norm(), 1e-3);
+
+  // Frames are those of the scene's rate.
+  SceneOverrides overrides;
+  overrides.camera_file = folder_ / "a.glb";
+  overrides.fields["/fps"] = {48, 1};
+  const auto faster = scene_from_text(plain_scene, "scene.json", overrides);
+  ASSERT_TRUE(faster.ok());
+  EXPECT_LT((faster->scene().camera.at(1.0 + 24.0).eye - half).norm(), 1e-12);
+
+  gltf.accessors[1].second.pop_back();
+  gltf.accessors[1].second.resize(4);
+  put(folder_ / "a.glb", gltf.bytes());
+  expect_refused("a.glb", "times and values do not fit");
+  gltf.accessors = {{"SCALAR", {1, 1}}, {"VEC4", {0, 0, 0, 1, 0, 0, 0, 1}}};
+  put(folder_ / "a.glb", gltf.bytes());
+  expect_refused("a.glb", "times must increase");
+}
+
+/// Splats of glTF are read into the axes that splats are trained in, and the camera has to follow.
+TEST_F(CameraFiles, GltfCamerasGoWithTheSplatsOfGltf) {
+  GltfCamera gltf;
+  gltf.nodes = R"({"camera":0,"translation":[1,2,5]})";
+  put(folder_ / "a.glb", gltf.bytes());
+  std::string text = plain_scene;
+  text.replace(text.find("\"objects\": []"), 13, R"("objects": [{"source": {"file": "b.glb"}}])");
+  SceneOverrides overrides;
+  overrides.camera_file = folder_ / "a.glb";
+  const auto file = scene_from_text(text, "scene.json", overrides);
+  ASSERT_TRUE(file.ok()) << file.error().message();
+  EXPECT_EQ(file->scene().camera.at(1.0).eye, Vector3d(-1, -2, 5));
+  // What is left of the camera in glTF is left of it there too.
+  const Vector2d left = seen(file->scene(), 1.0, Vector3d(-1 + 0.5, -2, 0));
+  EXPECT_LT(left.x(), 320.0);
 }
 
 }  // namespace

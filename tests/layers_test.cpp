@@ -207,9 +207,14 @@ TEST(Layers, AreNumbersWhateverMoves) {
 TEST(Layers, SamplesAreTheInstantsOfEachPixel) {
   Scene scene = test::busy_scene();
   scene.film = {768, 192, 0, 0, 0, 0};
-  const auto rendered = render_sampled(scene);
+  auto rendered = render_sampled(scene);
   ASSERT_TRUE(rendered.ok());
-  const ImageChannel channel = samples_channel(*rendered);
+  LayerOptions wanted;
+  wanted.samples = true;
+  add_layers(wanted, {{"own", std::vector<float>(rendered->image.pixel_count())}}, *rendered);
+  ASSERT_EQ(rendered->image.channels.size(), 2u);
+  const ImageChannel& channel = rendered->image.channels[1];
+  EXPECT_EQ(channel.name, "samples");
   double sum = 0.0, most = 0.0, least = 1e9;
   for (const float value : channel.values) {
     sum += static_cast<double>(value);
@@ -235,7 +240,7 @@ TEST(Layers, StandInTheFileBesideTheSamePicture) {
   };
   ASSERT_EQ(render("plain.exr", "").exit_code, 0);
   const test::Outcome outcome =
-      render("layers.exr", "--half --layers normal,motion --layers coverage,samples");
+      render("layers.exr", "--half --layers normal,motion --layers coverage,samples,error");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   ASSERT_EQ(render("half.exr", "--half").exit_code, 0);
   const Result<Image> plain = read_exr(folder / "half.exr"), with = read_exr(folder / "layers.exr");
@@ -247,8 +252,8 @@ TEST(Layers, StandInTheFileBesideTheSamePicture) {
   for (auto c = file.header().channels().begin(); c != file.header().channels().end(); ++c)
     names.emplace_back(c.name());
   EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "Z", "backward.u", "backward.v", "coverage",
-                                             "forward.u", "forward.v", "normal.x", "normal.y", "normal.z",
-                                             "samples"}));
+                                             "error", "forward.u", "forward.v", "normal.x", "normal.y",
+                                             "normal.z", "samples"}));
   std::vector<float> forward(64 * 48);
   Imf::FrameBuffer frame;
   frame.insert("forward.u", Imf::Slice::Make(Imf::FLOAT, forward.data(), file.header().dataWindow()));
@@ -257,7 +262,7 @@ TEST(Layers, StandInTheFileBesideTheSamePicture) {
   // From 3, where the sphere's front is, half a unit a frame.
   EXPECT_NEAR(forward[24 * 64 + 32 + 4], 0.5 / 3.0 * 24.0 / std::tan(25.0 * M_PI / 180.0), 0.3);
   EXPECT_NE(file.header().typedAttribute<Imf::StringAttribute>("method").value().find(
-                "layers normal motion coverage samples"),
+                "layers normal motion coverage samples error"),
             std::string::npos);
   // A file without them is another picture.
   EXPECT_EQ(render("plain.exr", "--layers normal --skip-existing").exit_code, 1);

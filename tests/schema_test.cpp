@@ -97,9 +97,9 @@ class Validator {
 json schema() { return json::parse(scene_schema()); }
 
 TEST(Schema, StandsInDatasetsAsTheCommandPrintsIt) {
-  EXPECT_EQ(text_of(SWEPT_SCENES "/scene.schema.json"), scene_schema())
+  EXPECT_TRUE(text_of(SWEPT_SCENES "/scene.schema.json") == scene_schema())
       << "swept schema > datasets/scene.schema.json";
-  EXPECT_EQ(test::run_command(SWEPT_COMMAND " schema").out, scene_schema());
+  EXPECT_TRUE(test::run_command(SWEPT_COMMAND " schema").out == scene_schema());
 }
 
 TEST(Schema, TakesTheScenesThatThereAre) {

@@ -62,6 +62,35 @@ const json& cell_of(const json& scene, const std::string& id) {
   return none;
 }
 
+TEST_F(StudyCommand, JudgesImagesThatAreAdded) {
+  const std::string render = std::string("'") + SWEPT_COMMAND + "' render " + scene_ + " --overwrite ";
+  ASSERT_EQ(std::system((render + "-o " + (folder_ / "mine.exr") + " --samples 4 2>/dev/null").c_str()), 0);
+  ASSERT_EQ(std::system((render + "-o " + (folder_ / "small.exr") + " --size 24x16 2>/dev/null").c_str()), 0);
+  const std::string added = "--add 'Mine=" + (folder_ / "mine.exr") +
+                            "' --add 'Of another size=" + (folder_ / "small.exr") + "' --add lost=none.exr";
+  ASSERT_EQ(study("--parts scenes --methods sampled " + added), 0) << log();
+  const json scene = document().at("scenes").at(0);
+  // The same instants as a method's own.
+  const json mine = cell_of(scene, "added-1"), own = cell_of(scene, "sampled-4");
+  EXPECT_EQ(mine.at("status"), "done");
+  EXPECT_EQ(mine.at("rmse"), own.at("rmse"));
+  EXPECT_EQ(mine.at("flip"), own.at("flip"));
+  EXPECT_TRUE(mine.at("seconds").at("median").is_null());
+  for (const char* member : {"image", "difference"})
+    EXPECT_TRUE(std::filesystem::exists(output_ + '/' + mine.at(member).get<std::string>()));
+  for (const char* id : {"added-2", "added-3"}) {
+    EXPECT_EQ(cell_of(scene, id).at("status"), "failed");
+    EXPECT_NE(cell_of(scene, id).at("error"), "");
+  }
+  EXPECT_EQ(document().at("methods").back().at("name"), "lost");
+  const std::string csv = content_of(output_ + "/study.csv");
+  EXPECT_NE(csv.find("added-1"), std::string::npos);
+  EXPECT_NE(content_of(output_ + "/report.html").find("Of another size"), std::string::npos);
+  EXPECT_EQ(study("--add mine.exr"), 2);
+  EXPECT_EQ(study("--add =mine.exr"), 2);
+  EXPECT_EQ(study("'" + scene_ + "' --add a=mine.exr"), 2) << "two scenes";
+}
+
 TEST_F(StudyCommand, LeavesAReportTheDataAndTheImages) {
   ASSERT_EQ(study("--parts scenes --methods abuffer,sampled"), 0) << log();
   EXPECT_EQ(content_of(folder_ / "out"), output_ + "/report.html\n");

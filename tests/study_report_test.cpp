@@ -125,6 +125,70 @@ TEST_F(StudyReport, HoldsEveryImageByteForByte) {
   EXPECT_EQ(held.size(), named);
 }
 
+/// The verdict is what the cells say: two scenes, two methods that reach 60 dB, one that does not.
+TEST_F(StudyReport, BeginsWithAVerdictInTwoSentences) {
+  const auto cell = [](const char* method, double seconds, double db) {
+    return ordered_json{
+        {"id", method},     {"method", method},
+        {"status", "done"}, {"psnr_db", db},
+        {"rmse", 0.1},      {"seconds", {{"median", seconds}, {"least", seconds}, {"most", 1.5 * seconds}}}};
+  };
+  study_ = {
+      {"swept_study", 1},
+      {"methods",
+       {{{"id", "a"}, {"name", "Method A"}},
+        {{"id", "b"}, {"name", "Method B"}},
+        {{"id", "c"}, {"name", "Method C"}},
+        {{"id", "d"}, {"name", "Method D"}, {"missing", "there is no D here"}},
+        {{"id", "e"}, {"name", "Method E"}}}},
+      {"scenes",
+       {{{"id", "one"},
+         {"cells", {cell("a", 1.0, 61.0), cell("a", 0.1, 50.0), cell("b", 2.0, 70.0), cell("c", 0.1, 59.0)}}},
+        {{"id", "two"}, {"cells", {cell("a", 4.0, 65.0), cell("b", 32.0, 60.0), cell("e", 1.0, 9.0)}}}}}};
+  study_["scenes"][0]["cells"][0]["seconds"]["most"] = 1.0;
+  study_["scenes"][1]["cells"][2] = {
+      {"id", "e"}, {"method", "e"}, {"status", "failed"}, {"error", "no device"}};
+  ASSERT_NO_FATAL_FAILURE(open());
+  if (IsSkipped()) return;
+  EXPECT_EQ(
+      evaluate("document.querySelector('#head .verdict').textContent"),
+      "Method A reaches 60 dB first on 2 of 2 scenes, in 2.00 s (geometric mean of the 2 on which it does). "
+      "Next comes Method B, which takes 4.00 times as long (on the 2 that both reach).");
+  // Methods without results say why.
+  const json reasons = evaluate(
+      "[...document.querySelectorAll('#methods dd .bad')].map((reason) => reason.textContent.trim())");
+  EXPECT_EQ(reasons, json({"No results: there is no D here.", "No results: no device."}));
+  // Half of the median lies between the fastest repeat and the slowest, but for one, where nothing does.
+  EXPECT_EQ(evaluate("document.querySelectorAll('#scene-one .wide').length"), 3);
+  EXPECT_EQ(evaluate("document.querySelector('#scene-one .wide').textContent"), "50 % ⚠");
+  EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
+}
+
+TEST_F(StudyReport, NoColumnIsOffTheEdge) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  if (IsSkipped()) return;
+  browser_->resize(1400, 900);
+  evaluate(two_frames);
+  evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true; })");
+  evaluate(two_frames);
+  EXPECT_GT(evaluate("document.querySelectorAll('.scroll').length"), 3);
+  EXPECT_EQ(
+      evaluate("[...document.querySelectorAll('.scroll')].filter((box) => box.scrollWidth > "
+               "box.clientWidth).map((box) => `${box.ariaLabel}: ${box.scrollWidth - box.clientWidth}`)"),
+      json::array());
+}
+
+/// A label in a plot begins with a word that the legend has too.
+TEST_F(StudyReport, LegendAndLabelsSayTheSameNames) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  if (IsSkipped()) return;
+  const json names = evaluate(
+      "[...document.querySelectorAll('#scene-knot .legend button')].map((button) => button.textContent)");
+  ASSERT_EQ(names.size(), 7u);
+  EXPECT_EQ(names[0], "abuffer: Exact A-buffer");
+  EXPECT_EQ(names[3], "gpu: Six GPU passes");
+}
+
 TEST_F(StudyReport, TableSorts) {
   ASSERT_NO_FATAL_FAILURE(open());
   if (IsSkipped()) return;
@@ -252,7 +316,7 @@ TEST_F(StudyReport, LeavesOutWhatIsNotThere) {
   EXPECT_EQ(evaluate("document.querySelectorAll('h2').length"), 3);
   EXPECT_EQ(evaluate("document.querySelectorAll('.plot').length"), 0);
   EXPECT_EQ(evaluate("document.querySelector('.reason').textContent"), "failed");
-  EXPECT_EQ(evaluate("document.querySelector('#head p').textContent.split(':')[0]"),
+  EXPECT_EQ(evaluate("document.querySelector('#head p:not(.verdict)').textContent.split(':')[0]"),
             "1 method at their settings on 2 scenes");
   EXPECT_EQ(browser_->complaints(), std::vector<std::string>());
 }

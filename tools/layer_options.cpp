@@ -1,6 +1,7 @@
 #include "tools/layer_options.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -48,6 +49,8 @@ std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command) {
   return options;
 }
 
+namespace {
+
 ImageChannel samples_channel(const Rendered& rendered) {
   const Image& image = rendered.image;
   ImageChannel channel{"samples", std::vector<float>(image.pixel_count())};
@@ -57,6 +60,15 @@ ImageChannel samples_channel(const Rendered& rendered) {
         channel.values[static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
                        static_cast<std::size_t>(x - image.x)] = static_cast<float>(part.instants);
   return channel;
+}
+
+}  // namespace
+
+void add_layers(const LayerOptions& options, std::vector<ImageChannel> layers, Rendered& rendered) {
+  std::vector<ImageChannel>& channels = rendered.image.channels;
+  channels.insert(channels.begin(), std::make_move_iterator(layers.begin()),
+                  std::make_move_iterator(layers.end()));
+  if (options.samples) channels.push_back(samples_channel(rendered));
 }
 
 }  // namespace swept

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -24,7 +25,7 @@ struct LayerOptions {
 /// --layers.
 [[nodiscard]] std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command);
 
-/// The channel "samples" of an image, from what its renderer tells.
-[[nodiscard]] ImageChannel samples_channel(const Rendered& rendered);
+/// Puts `layers` before the channels that the image has, and "samples", from what its renderer tells, behind.
+void add_layers(const LayerOptions& options, std::vector<ImageChannel> layers, Rendered& rendered);
 
 }  // namespace swept

@@ -88,8 +88,7 @@ class FrameLoop {
     if (!rendered) return rendered.error();
     statistics.render_seconds += watch.lap();
     statistics.statistics = std::move(rendered->statistics);
-    rendered->image.channels = std::move(frame.layers);
-    if (run_.layers.samples) rendered->image.channels.push_back(samples_channel(*rendered));
+    add_layers(run_.layers, std::move(frame.layers), *rendered);
     // The image last: whoever finds it finds the frame done.
     if (!output.preview.empty())
       if (Status written = write_png(output.preview, rendered->image, output.preview_exists); !written)

@@ -160,7 +160,7 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
       .add_option(
           "--camera", overrides->camera_file,
           "Take the camera from transforms.json or a camera path of nerfstudio or instant-ngp, or from "
-          "COLMAP's folder of cameras.txt and images.txt; its frames are those from 1 on")
+          "COLMAP's folder of cameras.txt and images.txt, or from glTF; its frames are those from 1 on")
       ->type_name("FILE")
       ->group(scene_group);
   add_up_option(command, overrides->up,

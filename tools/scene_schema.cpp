@@ -177,7 +177,8 @@ Json object_schema() {
        {"radius", described(positive(), "Makes every disc round, in object units")},
        {"radius_scale", positive()},
        {"facing", words({"two_sided", "one_sided"})},
-       {"segments", described(whole(1, 4096), "As image.segments, for this object")}});
+       {"segments", described(whole(1, 4096), "As image.segments, for this object")},
+       {"draw", described(words({"splats", "surfels"}), "What a file of trained splats is drawn as")}});
 }
 
 }  // namespace

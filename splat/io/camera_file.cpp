@@ -39,7 +39,7 @@ Result<CameraFile> read_folder(const std::string& path, const fs::path& folder) 
   return Error{path, "", "has no cameras.txt and images.txt, nor a transforms.json"};
 }
 
-Result<CameraFile> read_any(const std::string& path) {
+Result<CameraFile> read_any(const std::string& path, double fps) {
   std::error_code code;
   const fs::path file(path);
   if (fs::is_directory(file, code)) return read_folder(path, file);
@@ -48,6 +48,7 @@ Result<CameraFile> read_any(const std::string& path) {
     if (!fs::exists(file, code)) return Error{path, "", "cannot be opened for reading"};
     return read_folder(path, file.parent_path());
   }
+  if (name.ends_with(".gltf") || name.ends_with(".glb")) return cameras_of_gltf(path, fps);
   return read_json_cameras(path);
 }
 
@@ -70,9 +71,9 @@ std::string frames_note(std::size_t count, const std::string& what, const std::s
          ", from frame 1 on, and moves straight between them";
 }
 
-Result<CameraFile> read_camera_file(const std::string& path) {
+Result<CameraFile> read_camera_file(const std::string& path, double fps) {
   return guarded(path, [&]() -> Result<CameraFile> {
-    Result<CameraFile> file = read_any(path);
+    Result<CameraFile> file = read_any(path, fps);
     if (!file) return file;
     try {
       const CameraTrack track = parse_camera(JsonNode(file->camera, path), Film());

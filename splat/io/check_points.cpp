@@ -87,6 +87,7 @@ Status PointSet::validate() const {
     return s;
   }
   if (Status s = check_numbers("opacity", opacity, n, 1.0f, "must lie in [0, 1]"); !s) return s;
+  if (!id.empty() && id.size() != n) return wrong_count("id", id.size(), n);
   return check_triangles(triangle, n);
 }
 

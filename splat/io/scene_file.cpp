@@ -1,5 +1,6 @@
 #include "splat/io/scene_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -92,13 +93,49 @@ void parse_scene(const JsonNode& root, const std::string& folder, const SceneOve
     for (Object& object : scene.objects) object.segments = 0;
 }
 
+/// Frames per second by the overrides, or by what of a scene file has been read.
+double rate_of(const SceneOverrides& overrides, const nlohmann::json& document) {
+  const auto found = overrides.fields.find("/fps");
+  std::vector<double> fps = found == overrides.fields.end() ? std::vector<double>() : found->second;
+  if (const auto own = document.find("fps"); fps.empty() && own != document.end()) {
+    if (own->is_number()) fps = {own->get<double>()};
+    if (own->is_array())
+      for (const nlohmann::json& number : *own)
+        fps.push_back(number.is_number() ? number.get<double>() : 0.0);
+  }
+  const double rate = fps.empty() ? 24.0 : fps[0] / (fps.size() > 1 ? fps[1] : 1.0);
+  // What is no rate is refused where the scene is read.
+  return rate > 0.0 && std::isfinite(rate) ? rate : 24.0;
+}
+
+/// Turns a camera of glTF into the axes that splats of glTF are read into.
+void turn_to_splats(nlohmann::json& camera) {
+  for (nlohmann::json& key : camera["keys"]) {
+    // Rows of the matrix are the world's axes.
+    for (std::size_t i = 0; i < 8; ++i) key["matrix"][i] = -key["matrix"][i].get<double>();
+  }
+}
+
+bool draws_gltf(const nlohmann::json& document) {
+  const auto objects = document.find("objects");
+  if (objects == document.end() || !objects->is_array()) return false;
+  return std::any_of(objects->begin(), objects->end(), [](const nlohmann::json& object) {
+    const nlohmann::json::json_pointer file("/source/file");
+    if (!object.is_object() || !object.contains(file) || !object[file].is_string()) return false;
+    const std::string name = object[file].get<std::string>();
+    return name.ends_with(".glb") || name.ends_with(".gltf");
+  });
+}
+
 /// Puts the camera of a file in place of the scene's, whose near plane stays. What the scene has of a film
 /// stays too.
-void replace_camera(const std::string& camera_file, nlohmann::json& document,
+void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
                     std::vector<std::string>& notes) {
-  Result<io::CameraFile> file = io::read_camera_file(camera_file);
+  const double fps = document.is_object() ? rate_of(overrides, document) : 24.0;
+  Result<io::CameraFile> file = io::read_camera_file(overrides.camera_file, fps);
   if (!file) throw file.error();
   if (document.is_object()) {
+    if (file->gltf_axes && draws_gltf(document)) turn_to_splats(file->camera);
     if (const auto old = document.find("camera");
         old != document.end() && old->is_object() && old->contains("near"))
       file->camera["near"] = (*old)["near"];
@@ -122,7 +159,7 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
   return io::guarded(path, [&]() -> Result<SceneFile> {
     Result<nlohmann::json> document = io::parse_json(path, text);
     if (!document) return document.error();
-    if (!overrides.camera_file.empty()) replace_camera(overrides.camera_file, *document, notes);
+    if (!overrides.camera_file.empty()) replace_camera(overrides, *document, notes);
     SceneFile file;
     file.path_ = path;
     file.notes_ = std::move(notes);

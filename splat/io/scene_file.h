@@ -85,7 +85,7 @@ struct SceneOverrides {
   FieldValues fields;
   std::optional<DrawAs> draw;  ///< of all objects that have files of trained splats
   double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
-  /// Cameras of nerfstudio, instant-ngp or COLMAP, in place of the scene's camera; empty: none.
+  /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;
   /// Of every key of a look-at camera, and of the view of points that come without a scene; not zero.
   std::optional<Eigen::Vector3d> up;

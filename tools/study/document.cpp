@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
 
 #include <fmt/core.h>
 
 #include "tools/study/difference_map.h"
 #include "tools/study/machine.h"
+#include "tools/study/raycast.h"
 
 namespace swept {
 namespace {
@@ -131,11 +133,14 @@ Json study_document(const StudyHeader& header, const Runner& runner, const Study
                {"motion_length", sweep_json(runner, done.motion)},
                {"point_count", sweep_json(runner, done.points)},
                {"table1", Json::array()}};
-  for (const StudyMethod& method : study_methods())
+  for (const StudyMethod& method : study_methods()) {
     json["methods"].push_back({{"id", method.id},
                                {"name", method.name},
                                {"description", method.description},
                                {"unit", method.unit_plural}});
+    if (std::string_view(method.id) == "raycast" && !raycast_available())
+      json["methods"].back()["missing"] = "this build has no Embree (tools/setup study)";
+  }
   for (const Task& task : done.scenes) json["scenes"].push_back(task_json(runner, task));
   for (const Table1Row& row : table1) json["table1"].push_back(to_json(row));
   return json;

@@ -20,6 +20,7 @@
 #include "splat/io/atomic_file.h"
 #include "tools/console.h"
 #include "tools/progress.h"
+#include "tools/study/added_images.h"
 #include "tools/study/document.h"
 #include "tools/study/plan.h"
 #include "tools/study/report.h"
@@ -32,6 +33,7 @@ using Clock = std::chrono::steady_clock;
 struct StudyArguments {
   StudyOptions options;
   std::vector<std::string> parts, methods;
+  std::vector<AddedImage> added;
   bool fresh = false, repeats_given = false, samples_given = false;
 };
 
@@ -61,7 +63,8 @@ std::string command_line() {
 /// All that a study is, from the first render to the report.
 class Study {
  public:
-  explicit Study(const StudyArguments& arguments) : options_(arguments.options), runner_(options_.runner) {
+  explicit Study(const StudyArguments& arguments)
+      : options_(arguments.options), added_(arguments.added), runner_(options_.runner) {
     header_.command = command_line();
     header_.started = utc_now();
     header_.quick = options_.quick;
@@ -105,8 +108,9 @@ class Study {
 
   Status write() {
     header_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    const nlohmann::ordered_json document = study_document(header_, runner_, done_, table1_);
+    nlohmann::ordered_json document = study_document(header_, runner_, done_, table1_);
     const std::string& folder = options_.runner.folder;
+    if (Status added = add_images(added_, folder, document); !added) return added;
     const auto replace = nlohmann::ordered_json::error_handler_t::replace;
     if (Status written = write_file(folder + "/study.json", document.dump(2, ' ', false, replace) + '\n');
         !written)
@@ -116,6 +120,7 @@ class Study {
   }
 
   StudyOptions options_;
+  std::vector<AddedImage> added_;
   Runner runner_;
   StudyHeader header_;
   StudyPlan done_;
@@ -131,6 +136,8 @@ void complete(StudyArguments& arguments) {
   options.methods.insert(arguments.methods.begin(), arguments.methods.end());
   if (options.runner.reference_samples % 2 != 0)
     throw CLI::ValidationError("--reference-samples", "must be even");
+  if (!arguments.added.empty() && options.scenes.size() != 1)
+    throw CLI::ValidationError("--add", "goes with one scene");
   if (options.quick && !arguments.repeats_given) options.runner.repeats = 2;
   if (options.quick && !arguments.samples_given) options.runner.reference_samples = 192;
 }
@@ -218,6 +225,22 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->add_option("--limit", options.runner.limit_seconds, "Seconds after which a render counts as failed")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--add",
+          [arguments](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const std::size_t equals = text.find('=');
+              if (equals == 0 || equals == std::string::npos || !text.ends_with(".exr"))
+                throw CLI::ValidationError("--add", "expected NAME=FILE.exr, found " + text);
+              arguments->added.push_back({text.substr(0, equals), text.substr(equals + 1)});
+            }
+          },
+          "Judge this image of the one scene too, of another program and of the study's --size; several may "
+          "be added")
+      ->type_name("NAME=FILE.exr")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_flag("--fresh", arguments->fresh, "Measure all of it again");
   command->callback([arguments, repeats, samples, &exit_code] {
     arguments->repeats_given = repeats->count() > 0;

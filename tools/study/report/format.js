@@ -106,6 +106,8 @@ function familiesOf(study) {
       ...method,
       name: method.name || method.id,
       short: method.short || method.id,
+      // What labels in the plots begin with, so that who looks there finds it in the legend.
+      label: [...new Set([method.short || method.id, method.name || method.id])].join(': '),
       ...looks[index],
       colourName: `series-${index + 1}`
     });

@@ -25,8 +25,19 @@ function headOf() {
   ];
   return [
     element('h1', {}, study.title ?? 'What accuracy costs in time'),
+    ...(cells.length > 0 ? [element('p', {class: 'verdict'}, verdictOf(scenes, families))] : []),
     element('p', {}, parts.filter(Boolean).join(' '))
   ];
+}
+
+/** Why a method has no results, if it has none. */
+function withoutResults(method) {
+  const holders = [study.scenes, study.motion_length, study.point_count].flatMap(listOf);
+  const cells = holders.flatMap((holder) => listOf(holder.cells)).filter((cell) => cell.method === method.id);
+  if (cells.some(isDone)) return [];
+  const failed = cells.find((cell) => cell.error);
+  const reason = failed?.error ?? method.missing ?? 'it was not asked for (--methods, --parts, --quick)';
+  return [element('span', {class: 'bad'}, ` No results: ${reason}.`)];
 }
 
 function methodsSection() {
@@ -34,7 +45,8 @@ function methodsSection() {
   const items = study.methods.flatMap((method) => {
     const family = families.get(method.id);
     return [
-      element('dt', {}, swatch(family, true), ` ${family.name}`), element('dd', {}, method.description ?? '')
+      element('dt', {}, swatch(family, true), ` ${family.label}`),
+      element('dd', {}, method.description ?? '', ...withoutResults(method))
     ];
   });
   return element('details', {id: 'methods'}, element('summary', {}, 'The methods'), element('dl', {}, items));

@@ -9,7 +9,7 @@ function legend(families, cells, hidden, changed) {
   const items = used.map((family) => {
     const button = element(
         'button', {type: 'button', 'aria-pressed': 'true', title: family.description}, swatch(family, true),
-        family.name);
+        family.label);
     button.addEventListener('click', () => {
       if (!hidden.delete(family.id)) hidden.add(family.id);
       button.setAttribute('aria-pressed', String(!hidden.has(family.id)));

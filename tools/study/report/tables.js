@@ -69,6 +69,8 @@ function tableRow(columns, row, reason) {
 
 const spread = (cell) => (median(cell) > 0 ? (cell.seconds.most - cell.seconds.least) / median(cell) : null);
 
+const wideSpread = 0.25;
+
 const failure = (cell) =>
     (isDone(cell) ? null : `${cell.status ?? 'failed'}${cell.error ? `: ${cell.error}` : ''}`);
 
@@ -94,7 +96,15 @@ function cellTable(caption, cells, families, leading = []) {
            cell.pareto ? element('span', {class: 'soft', title: 'On the Pareto front'}, ' ◂ front') : null]
     },
     number('Time, s', 'Median of the repeats', median, short),
-    number('Spread', 'From the fastest repeat to the slowest, as a share of the median', spread, percent),
+    {
+      title: 'Spread',
+      about: 'From the fastest repeat to the slowest, as a share of the median',
+      value: spread,
+      node: (cell, share) => share > wideSpread ?
+          element('span', {class: 'bad wide', title: 'The machine did other work: take the time for a rough one'},
+                  `${percent(share)} ⚠`) :
+          percent(share)
+    },
     number('RMSE', 'Linear RGB', (cell) => cell.rmse, short),
     number(
         'PSNR, dB', '', (cell) => measures[1].of(cell),
