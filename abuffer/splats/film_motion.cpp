@@ -236,20 +236,24 @@ void FilmMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
   const SplatRule rule = splat_rule(scene);
   const std::size_t columns = static_cast<std::size_t>((grid.film.width - 1) / pitch_px / tile_px + 1),
                     rows = static_cast<std::size_t>((grid.film.height - 1) / pitch_px / tile_px + 1);
+  std::vector<std::vector<std::uint32_t>> lists(columns * rows);
+  for (const std::uint32_t index : order) {
+    const PlacedSplat& s = splats[index & splat_index];
+    const auto tile = [](int px, std::size_t count) {
+      return std::min(static_cast<std::size_t>(px / tile_px), count - 1);
+    };
+    for (std::size_t y = tile(s.y_first, rows); y <= tile(s.y_last, rows); ++y)
+      for (std::size_t x = tile(s.x_first, columns); x <= tile(s.x_last, columns); ++x)
+        lists[y * columns + x].push_back(index);
+  }
   // A tile of the coarse film covers whole cells.
   constexpr int px_a_cell = cell_px / pitch_px, cells_a_tile = tile_px / px_a_cell;
   static_assert(cells_a_tile * px_a_cell == tile_px);
   parallel_for_each_index(columns * rows, [&](std::size_t t) {
     const int x = static_cast<int>(t % columns) * tile_px, y = static_cast<int>(t / columns) * tile_px;
-    std::vector<std::uint32_t> list;
-    for (const std::uint32_t index : order) {
-      const PlacedSplat& s = splats[index & splat_index];
-      if (s.x_first < x + tile_px && s.x_last >= x && s.y_first < y + tile_px && s.y_last >= y)
-        list.push_back(index);
-    }
     const auto tile = std::make_unique<SplatTile>();
     math.clear(*tile);
-    math.draw({{splats.data(), splats.data()}, list.data(), list.size()}, x, y, rule, *tile);
+    math.draw({{splats.data(), splats.data()}, lists[t].data(), lists[t].size()}, x, y, rule, *tile);
     std::array<std::vector<float>, cells_a_tile * cells_a_tile> of_cells;
     for (int i = 0; i < tile_floats; ++i) {
       const int px = 4 * (i / 16 % 8) + i % 4, py = 4 * (i / 128) + i / 4 % 4;

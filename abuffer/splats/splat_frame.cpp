@@ -152,9 +152,11 @@ void SplatFrame::plan() {
                               splats_move ? first_splat_instants(motion_->spread(c), first_db) : 2);
       most = std::max(most, work.count);
     }
-    if (in_window(work.cell)) cells_.push_back(std::move(work));
+    cells_.push_back(std::move(work));
   }
   share_instants(most);
+  // What is decided for a cell depends on the whole film, and not on what else is asked for.
+  std::erase_if(cells_, [&](const CellWork& work) { return !in_window(work.cell); });
   for (const CellWork& work : cells_) planned_ += work.count;
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
