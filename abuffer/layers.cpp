@@ -78,7 +78,7 @@ class LayerRenderer {
     }
   }
 
-  std::vector<PixelLayer> render() {
+  std::vector<ImageChannel> render() {
     bin();
     name_channels();
     parallel_for_each_index(bands_.size(), [&](std::size_t index) {
@@ -281,16 +281,16 @@ class LayerRenderer {
   PixelFilter filter_;
   std::vector<Placed> placed_;
   std::vector<std::vector<Ref>> bands_;
-  std::vector<PixelLayer> channels_;
+  std::vector<ImageChannel> channels_;
 };
 
 }  // namespace
 
-Result<std::vector<PixelLayer>> render_layers(const Scene& scene, const LayerChoice& choice,
+Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,
                                                 const RenderControl& control) {
   if (Status status = control.validate(); !status) return status.error();
   if (Status status = scene.validate(); !status) return status.error();
-  if (!choice.any()) return std::vector<PixelLayer>();
+  if (!choice.any()) return std::vector<ImageChannel>();
   try {
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);

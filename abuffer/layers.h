@@ -33,7 +33,7 @@ struct LayerChoice {
 /// end has no vectors: 0. The result does not depend on the number of threads.
 ///
 /// Errors: scene or control out of range, not enough memory.
-[[nodiscard]] Result<std::vector<PixelLayer>> render_layers(const Scene& scene, const LayerChoice& choice,
+[[nodiscard]] Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,
                                                               const RenderControl& control = {});
 
 }  // namespace swept

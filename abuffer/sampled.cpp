@@ -20,6 +20,7 @@
 #include "abuffer/sources/instant_table.h"
 #include "abuffer/sources/point_packets.h"
 #include "abuffer/splats/splat_frame.h"
+#include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
 #include "splat/stopwatch.h"
 
@@ -64,10 +65,8 @@ class Renderer {
     out.statistics.time("bins", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
-    if (options_.error_layers)
-      for (const char* name : {"error", "instants"})
-        out.layers.push_back({name, std::vector<float>(out.image.pixel_count())});
-    layers_ = &out.layers;
+    if (options_.error_channel)
+      out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     bins_ = &bins;
     plan();
 
@@ -94,6 +93,10 @@ class Renderer {
     SampledCounters total;
     for (const SampledCell& cell : cells) total.add(cell.counters);
     describe(objects, total, maths.first[which], out.statistics);
+    for (std::size_t i = 0; i < progress_.size(); ++i) {
+      const Cell cell = bins.cell(window_cells_[i]);
+      out.parts.push_back({cell.x, cell.y, cell.width, cell.height, progress_[i].instants});
+    }
     return out;
   }
 
@@ -148,7 +151,7 @@ class Renderer {
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
     const bool estimated =
-        motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_layers);
+        motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
       InstantWeights weights;
       if (estimated) weights = estimating_weights(k, cell.count);
@@ -178,7 +181,7 @@ class Renderer {
     thread_local CellImage pixels;
     renderer.image(progress_[i].count, pixels);
     store(i, pixels);
-    if (options_.error_layers) store_layers(i, renderer);
+    if (options_.error_channel) store_error(i, renderer);
   }
 
   /// Refines until so many seconds have passed since the render began. A doubling takes away most of a cell's
@@ -191,7 +194,7 @@ class Renderer {
       SampledCell& renderer = cells.local();
       Stopwatch own;
       add_instants(renderer);
-      if (options_.error_layers) store_layers(i, renderer);
+      if (options_.error_channel) store_error(i, renderer);
       renderer.image(1.0, progress_[i].so_far);
       progress_[i].step_seconds = own.lap();
       done.reached(std::min(0.99, begun_.so_far() / seconds));
@@ -267,15 +270,12 @@ class Renderer {
     });
   }
 
-  void store_layers(std::size_t i, const SampledCell& renderer) {
-    const CellProgress& cell = progress_[i];
-    std::vector<float>&error = (*layers_)[0].values, &instants = (*layers_)[1].values;
+  void store_error(std::size_t i, const SampledCell& renderer) {
+    if (!progress_[i].estimate) return;
+    std::vector<float>& error = image_->channels.front().values;
     thread_local std::vector<float> squares;
-    if (cell.estimate) renderer.alternating_squares(cell.estimate->per_alternating(), squares);
-    for_each_pixel(i, [&](std::size_t from, std::size_t to) {
-      error[to] = cell.estimate ? std::sqrt(squares[from] / 3.0f) : 0.0f;
-      instants[to] = static_cast<float>(cell.instants);
-    });
+    renderer.alternating_squares(progress_[i].estimate->per_alternating(), squares);
+    for_each_pixel(i, [&](std::size_t from, std::size_t to) { error[to] = std::sqrt(squares[from] / 3.0f); });
   }
 
   void describe(const std::vector<PointPackets>& objects, const SampledCounters& total,
@@ -305,7 +305,7 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (options_.samples == 0 || options_.error_layers) {
+    if (options_.samples == 0 || options_.error_channel) {
       const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
       s.count("expected_rmse", rmse);
       s.count("expected_psnr_db", -20.0 * std::log10(rmse));
@@ -322,7 +322,6 @@ class Renderer {
   Exposure exposure_;
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
-  std::vector<PixelLayer>* layers_ = nullptr;
   std::vector<std::size_t> window_cells_;
   double allowed_mean_square_ = 0.0;
   std::vector<CellProgress> progress_;
@@ -353,9 +352,6 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (of_splats) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (options.max_seconds > 0.0)
-      return Error{"", "max_seconds", "is not for splats yet: ask for an error or a number of instants"};
-    if (options.error_layers) return Error{"", "error_layers", "are not known of splats yet"};
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
     return of_splats ? render_splats(all...) : Renderer(all...).render();

@@ -21,9 +21,9 @@ struct SampledOptions {
   /// until the next step would end later. Every cell has its first instants, however long that takes. 0: not
   /// asked for. The image depends on the machine then.
   double max_seconds = 0.0;
-  /// Adds two layers: "error", the expected root mean square error of each pixel over R, G and B (a draw by
-  /// itself, an expectation over a neighbourhood), and "instants", how many it is the mean of.
-  bool error_layers = false;
+  /// Adds the channel "error": the expected root mean square error of each pixel over R, G and B. It is a
+  /// draw for a pixel by itself, an expectation over a neighbourhood.
+  bool error_channel = false;
   /// Leaves out every object that moves during the exposure, by itself or because the camera does.
   bool only_standing = false;
   /// Implementation of sampled_math.h to use, 0 being the plain loops that define the others; −1: the widest.
@@ -41,6 +41,7 @@ struct SampledOptions {
 /// Statistics: "instants" cells × instants, "instants_per_pixel" their mean over the film's window,
 /// "most_instants" in any cell, and unless `samples` alone is given "expected_rmse" and "expected_psnr_db" of
 /// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
+/// Rendered::parts are the cells.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

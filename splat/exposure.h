@@ -2,6 +2,10 @@
 // at an instant.
 #pragma once
 
+#include <memory>
+
+#include "splat/shutter_curve.h"
+
 namespace swept {
 
 /// Frames, shutter times and keys beyond this either way are refused: a frame is lost in the rounding of
@@ -9,13 +13,46 @@ namespace swept {
 inline constexpr double most_frame = 1e9;
 
 /// From `open` to `close`, in absolute frames; open ≤ close. open == close is an instant: a still image.
+///
+/// Shutter time is the share of the light that is in: where it goes evenly from 0 to 1 every instant has the
+/// weight that the shutter's curve gives it.
 struct Exposure {
   double open = 0.0, close = 0.0;
+  std::shared_ptr<const ShutterCurve> curve = {};  ///< null: even light
+  /// Of the whole exposure, of which this may be a part: when the curve begins and ends.
+  double curve_open = 0.0, curve_close = 0.0;
 
   [[nodiscard]] bool instant() const { return open == close; }
   /// Frame at shutter time `share` in [0, 1], 0 being open.
-  [[nodiscard]] double at(double share) const { return open + (close - open) * share; }
+  [[nodiscard]] double at(double share) const {
+    if (!curve) return open + (close - open) * share;
+    const double first = curve_share(open), last = curve_share(close);
+    return curve_open + (curve_close - curve_open) * curve->time(first + (last - first) * share);
+  }
+  /// Shutter time at `frame` between open and close; the inverse of at().
+  [[nodiscard]] double share_at(double frame) const {
+    if (!curve) return (frame - open) / (close - open);
+    const double first = curve_share(open), last = curve_share(close);
+    return last > first ? (curve_share(frame) - first) / (last - first) : 0.0;
+  }
   [[nodiscard]] double middle() const { return 0.5 * (open + close); }
+  /// The exposure from shutter time `first` to `last`.
+  [[nodiscard]] Exposure part(double first, double last) const {
+    Exposure result = *this;
+    if (first > 0.0) result.open = at(first);
+    if (last < 1.0) result.close = at(last);
+    return result;
+  }
+  /// The instant at shutter time `share`.
+  [[nodiscard]] Exposure instant_at(double share) const {
+    const double frame = at(share);
+    return {frame, frame};
+  }
+
+ private:
+  [[nodiscard]] double curve_share(double frame) const {
+    return curve->share((frame - curve_open) / (curve_close - curve_open));
+  }
 };
 
 }  // namespace swept

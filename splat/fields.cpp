@@ -49,6 +49,24 @@ FieldNumber background(std::string_view name, double low, double high) {
           [](Scene& scene, double value) { scene.background[I] = static_cast<float>(value); }};
 }
 
+template <std::size_t I>
+FieldNumber shutter_rate() {
+  return {"RATE",
+          0.0,
+          1e9,
+          false,
+          false,
+          [](const Scene& scene) { return scene.shutter.rates[I]; },
+          [](Scene& scene, double value) { scene.shutter.rates[I] = value; }};
+}
+
+template <std::size_t... I>
+std::vector<FieldNumber> shutter_rates(std::index_sequence<I...>) {
+  return {shutter_rate<I>()...};
+}
+
+constexpr std::size_t most_rates = 64;
+
 std::vector<Field> make_fields() {
   using S = Scene;
   using M = ImageModel;
@@ -97,6 +115,32 @@ std::vector<Field> make_fields() {
        .help = "when it closes; as it opens: a still image. 180° is half a frame",
        .numbers = {number<&S::shutter, &Shutter::close>("CLOSE", -most_frame, most_frame)},
        .with_object = true},
+      {.pointer = "/shutter/curve",
+       .option = "--shutter-curve",
+       .help = "how the light comes in while the shutter is open: evenly, with ramps, as a Gaussian, or as "
+               "the rates say",
+       .numbers = {number<&S::shutter, &Shutter::curve>("", 0, 3)},
+       .words = {"box", "trapezoid", "gaussian", "table"}},
+      {.pointer = "/shutter/opening",
+       .option = "--shutter-ramps",
+       .help = "share of the exposure in which a trapezoid opens",
+       .numbers = {number<&S::shutter, &Shutter::opening>("OPENING", 0, 1)}},
+      {.pointer = "/shutter/closing",
+       .option = "--shutter-ramps",
+       .help = "and in which it closes",
+       .numbers = {number<&S::shutter, &Shutter::closing>("CLOSING", 0, 1)}},
+      {.pointer = "/shutter/delta",
+       .option = "--shutter-delta",
+       .help = "sharpness δ of the Gaussian exp(−δ(2τ − 1)²), τ from 0 to 1",
+       .numbers = {number<&S::shutter, &Shutter::delta>("DELTA", 0, 50, true)}},
+      {.pointer = "/shutter/rates",
+       .option = "--shutter-rates",
+       .help = "light at so many evenly spaced times of the exposure, 2 to 64, with lines between",
+       .numbers = shutter_rates(std::make_index_sequence<most_rates>()),
+       .least = 2,
+       .count = [](const Scene& scene) { return scene.shutter.rates.size(); },
+       .resize = [](Scene& scene, std::size_t count) { scene.shutter.rates.resize(count); },
+       .if_zero = "none"},
       {.pointer = "/background",
        .option = "--background",
        .help = "what is behind everything: linear, premultiplied RGBA; three numbers are opaque",
@@ -199,12 +243,15 @@ std::string_view Field::name() const { return pointer.substr(pointer.rfind('/') 
 
 std::vector<double> Field::get(const Scene& scene) const {
   std::vector<double> values;
-  for (const FieldNumber& number : numbers) values.push_back(number.get(scene));
+  const std::size_t present = count != nullptr ? std::min(count(scene), numbers.size()) : numbers.size();
+  for (std::size_t i = 0; i < present; ++i) values.push_back(numbers[i].get(scene));
   return values;
 }
 
 void Field::set(Scene& scene, std::span<const double> values) const {
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i].set(scene, i < values.size() ? values[i] : 1.0);
+  if (resize != nullptr) resize(scene, values.size());
+  const std::size_t wanted = resize != nullptr ? values.size() : numbers.size();
+  for (std::size_t i = 0; i < wanted; ++i) numbers[i].set(scene, i < values.size() ? values[i] : 1.0);
 }
 
 bool Field::unset(std::span<const double> values) const {
@@ -254,9 +301,17 @@ Status validate_fields(const Scene& scene, std::string_view group) {
     if (Status status = field.legal(values); !status) return status;
     if (field.pointer == "/film/crop")
       if (Status status = validate_crop(scene.film); !status) return status;
+    if (field.pointer == "/shutter/closing" && scene.shutter.curve == ShutterShape::trapezoid &&
+        scene.shutter.opening + scene.shutter.closing > 1.0)
+      return Error{"", "/shutter/closing", "the ramps take more than the whole exposure"};
     if (field.pointer == "/shutter/close" && scene.shutter.close < scene.shutter.open)
       return Error{"", "/shutter", "the shutter closes before it opens"};
   }
+  const Shutter& shutter = scene.shutter;
+  const auto lit = [](double rate) { return rate > 0.0; };
+  if (std::string_view("/shutter/rates").starts_with(group) && shutter.curve == ShutterShape::table &&
+      (shutter.rates.size() < 2 || std::none_of(shutter.rates.begin(), shutter.rates.end(), lit)))
+    return Error{"", "/shutter/rates", "a table needs two rates or more, and one of them above 0"};
   return Done{};
 }
 

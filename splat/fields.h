@@ -36,7 +36,10 @@ struct Field {
   std::vector<FieldNumber> numbers;          ///< several: a file has an array
   std::size_t least = 1;                     ///< so many must be given; those left out are 1
   std::vector<std::string_view> words = {};  ///< the one number is an index into these
-  bool with_object = false;                  ///< must be given if the object around it is
+  /// Of a list of any length up to numbers.size(): how many there are, and makes it that long. Else null.
+  std::size_t (*count)(const Scene&) = nullptr;
+  void (*resize)(Scene&, std::size_t) = nullptr;
+  bool with_object = false;  ///< must be given if the object around it is
   /// All of them zero in memory means that nothing was said, and then what this tells happens. No file and
   /// no option says zero. Empty: zero is nothing special.
   std::string_view if_zero = {};
@@ -44,7 +47,8 @@ struct Field {
   [[nodiscard]] std::string_view group() const;  ///< "image"; empty: a member of the file itself
   [[nodiscard]] std::string_view name() const;   ///< "delta"
   [[nodiscard]] std::vector<double> get(const Scene& scene) const;
-  /// `values` are legal() and as many as `numbers`, or fewer but no less than `least`.
+  /// `values` are legal() and as many as `numbers`, or fewer but no less than `least`; or none, which makes a
+  /// list of any length empty.
   void set(Scene& scene, std::span<const double> values) const;
   /// Whether nothing was said: if_zero.
   [[nodiscard]] bool unset(std::span<const double> values) const;

@@ -26,10 +26,10 @@ Status Image::validate() const {
   if (rgba.size() != 4 * pixel_count()) return mismatch("rgba", rgba.size(), 4 * pixel_count());
   if (!depth.empty() && depth.size() != pixel_count()) return mismatch("depth", depth.size(), pixel_count());
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    const PixelLayer& channel = channels[i];
+    const ImageChannel& channel = channels[i];
     if (channel.values.size() != pixel_count())
       return mismatch("channels", channel.values.size(), pixel_count());
-    const auto same = [&](const PixelLayer& other) { return other.name == channel.name; };
+    const auto same = [&](const ImageChannel& other) { return other.name == channel.name; };
     constexpr std::string_view own[] = {"", "R", "G", "B", "A", "Z"};
     if (std::find(std::begin(own), std::end(own), channel.name) != std::end(own) ||
         std::find_if(channels.begin(), channels.begin() + static_cast<std::ptrdiff_t>(i), same) !=

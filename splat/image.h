@@ -11,7 +11,7 @@
 namespace swept {
 
 /// A number for every pixel of an image besides its colour, row by row as in Image.
-struct PixelLayer {
+struct ImageChannel {
   std::string name;  ///< as in a file: "error", "normal.x"
   std::vector<float> values;
 };
@@ -24,7 +24,7 @@ struct Image {
   /// Camera-space z, the mean over exposure and surfaces weighted by what each adds to alpha; +∞ where
   /// nothing is seen.
   std::vector<float> depth;
-  std::vector<PixelLayer> channels = {};  ///< besides R, G, B, A and Z
+  std::vector<ImageChannel> channels = {};  ///< besides R, G, B, A and Z
 
   [[nodiscard]] std::size_t pixel_count() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

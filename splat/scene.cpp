@@ -1,6 +1,7 @@
 #include "splat/scene.h"
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -58,6 +59,15 @@ Status ImageModel::validate() const {
   if (status) return status;
   const std::string& field = status.error().field;
   return bad(field.substr(field.rfind('/')), status.error().reason);
+}
+
+Exposure Scene::exposure() const {
+  Exposure exposure{frame + shutter.open, frame + shutter.close};
+  if (shutter.curve == ShutterShape::box || exposure.instant()) return exposure;
+  exposure.curve = std::make_shared<const ShutterCurve>(shutter);
+  exposure.curve_open = exposure.open;
+  exposure.curve_close = exposure.close;
+  return exposure;
 }
 
 Status Scene::validate() const {

@@ -17,9 +17,21 @@ namespace swept {
 
 inline constexpr int max_segments = 4096;
 
+/// How much light the shutter lets in while it is open. τ is 0 where it opens and 1 where it closes.
+enum class ShutterShape {
+  box,        ///< evenly
+  trapezoid,  ///< more and more until it is open, all of it, less and less until it is closed
+  gaussian,   ///< exp(−δ(2τ − 1)²) (Heinzle et al. 2010)
+  table,      ///< as given
+};
+
 /// Shutter times in frames relative to the frame being rendered. open == close is a still image.
 struct Shutter {
   double open = -0.25, close = 0.25;
+  ShutterShape curve = ShutterShape::box;
+  double opening = 0.25, closing = 0.25;  ///< of a trapezoid: the shares of τ that its ramps take, ≤ 1 in all
+  double delta = 3.0;                     ///< δ of a Gaussian
+  std::vector<double> rates = {};         ///< of a table: light at evenly spaced τ, lines between; any unit
 };
 
 struct FrameRate {
@@ -52,7 +64,7 @@ enum class SplatBlending {
   linear,  ///< of light
 };
 
-/// How Gaussian splats become a picture (model section 13): constants by which renderers differ. Defaults are
+/// How Gaussian splats become a picture (model section 14): constants by which renderers differ. Defaults are
 /// those of Kerbl et al. 2023. Ranges are in the table of splat/fields.h.
 struct SplatModel {
   double dilation_px2 = 0.3;       ///< added to the variances on the film
@@ -86,7 +98,7 @@ struct Scene {
   std::vector<Object> objects;
 
   /// The shutter's times as absolute frames.
-  [[nodiscard]] Exposure exposure() const { return {frame + shutter.open, frame + shutter.close}; }
+  [[nodiscard]] Exposure exposure() const;
 
   /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
   [[nodiscard]] Status validate() const;

@@ -14,9 +14,7 @@ class Stopwatch {
     return std::chrono::duration<double>(start_ - last).count();
   }
   /// The same, and goes on.
-  [[nodiscard]] double so_far() const {
-    return std::chrono::duration<double>(Clock::now() - start_).count();
-  }
+  [[nodiscard]] double so_far() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
  private:
   using Clock = std::chrono::steady_clock;

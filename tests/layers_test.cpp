@@ -33,7 +33,7 @@ class Layers {
   explicit Layers(const Scene& scene, const LayerChoice& choice = all) : width_(scene.film.window_width()) {
     auto channels = render_layers(scene, choice);
     EXPECT_TRUE(channels.ok()) << channels.error().message();
-    for (PixelLayer& channel : *channels) values_[channel.name] = std::move(channel.values);
+    for (ImageChannel& channel : *channels) values_[channel.name] = std::move(channel.values);
   }
   [[nodiscard]] double at(const std::string& name, int x, int y) const {
     return static_cast<double>(values_.at(name).at(static_cast<std::size_t>(y * width_ + x)));
@@ -207,15 +207,13 @@ TEST(Layers, AreNumbersWhateverMoves) {
 TEST(Layers, SamplesAreTheInstantsOfEachPixel) {
   Scene scene = test::busy_scene();
   scene.film = {768, 192, 0, 0, 0, 0};
-  SampledOptions options;
-  options.error_layers = true;
-  auto rendered = render_sampled(scene, options);
+  auto rendered = render_sampled(scene);
   ASSERT_TRUE(rendered.ok());
   LayerOptions wanted;
   wanted.samples = true;
   add_layers(wanted, {{"own", std::vector<float>(rendered->image.pixel_count())}}, *rendered);
   ASSERT_EQ(rendered->image.channels.size(), 2u);
-  const PixelLayer& channel = rendered->image.channels[1];
+  const ImageChannel& channel = rendered->image.channels[1];
   EXPECT_EQ(channel.name, "samples");
   double sum = 0.0, most = 0.0, least = 1e9;
   for (const float value : channel.values) {
@@ -276,7 +274,7 @@ TEST(Layers, StandInTheFileBesideTheSamePicture) {
 TEST(Layers, ImagesCheckTheirChannels) {
   const test::TemporaryFolder folder;
   Image image{0, 0, 2, 1, 2, 1, std::vector<float>(8), {}};
-  const auto problem = [&](std::vector<PixelLayer> channels) {
+  const auto problem = [&](std::vector<ImageChannel> channels) {
     image.channels = std::move(channels);
     const Status status = write_exr(folder / "a.exr", image);
     return status.ok() ? std::string() : status.error().field;

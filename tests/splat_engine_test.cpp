@@ -274,6 +274,41 @@ TEST(SplatEngine, MeetsTheErrorAskedFor) {
   }
 }
 
+TEST(SplatEngine, TellsTheErrorOfEveryPixelAndTheInstantsOfEveryCell) {
+  Scene scene = random_splats(700, 25, 0.2f);
+  const Image truth = rendered(scene, samples(512)).image;
+  SampledOptions options = samples(6);
+  options.error_channel = true;
+  const Rendered result = rendered(scene, options);
+  ASSERT_EQ(result.image.channels.size(), 1u);
+  EXPECT_EQ(result.image.channels[0].name, "error");
+  double expected = 0.0, actual = 0.0;
+  for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
+    expected += 3.0 * std::pow(double{result.image.channels[0].values[i]}, 2);
+    for (std::size_t c = 0; c < 3; ++c)
+      actual += std::pow(double{result.image.rgba[4 * i + c]} - double{truth.rgba[4 * i + c]}, 2);
+  }
+  // Of the squares: an estimate, within 6 dB.
+  EXPECT_GT(expected, 0.25 * actual);
+  EXPECT_LT(expected, 4.0 * actual);
+  EXPECT_EQ(rendered(scene, samples(6)).image.rgba, result.image.rgba);
+  double px = 0.0;
+  for (const FilmPart& part : result.parts) px += double{1.0} * part.width * part.height;
+  EXPECT_EQ(px, 150.0 * 100.0);
+}
+
+TEST(SplatEngine, SpendsTheSecondsItIsGiven) {
+  Scene scene = random_splats(1500, 26, 0.2f);
+  const Image truth = rendered(scene, samples(512)).image;
+  SampledOptions little, much;
+  little.max_seconds = 1e-3;
+  much.max_seconds = 2.0;
+  const Rendered coarse = rendered(scene, little), fine = rendered(scene, much);
+  EXPECT_GT(test::counter(fine, "instants_per_pixel"), test::counter(coarse, "instants_per_pixel"));
+  EXPECT_GT(psnr_db(fine.image, truth), psnr_db(coarse.image, truth));
+  EXPECT_GE(psnr_db(coarse.image, truth), 25.0);
+}
+
 TEST(SplatEngine, AskedForTheImpossibleItSaysSo) {
   Scene scene = random_splats(50, 12);
   EXPECT_FALSE(render_abuffer(scene).ok());

@@ -169,7 +169,7 @@ TEST(SpzTest, EveryVersionAndDegree) {
         const Result<LoadedSplats> file = read(made.bytes(), axes);
         ASSERT_TRUE(file.ok()) << file.error().message();
         EXPECT_TRUE(file->splats.validate().ok());
-        const bool turned = axes == SpzAxes::automatic ? version < 4 : axes == SpzAxes::right_up_back;
+        const bool turned = axes == SpzAxes::right_up_back;
         expect_splats(file->splats, splats, made, turned);
         EXPECT_EQ(file->report.unread.size(), degree == 4 ? 1u : 0u);
       }

@@ -2,9 +2,10 @@
 // and reaches.
 //
 // Usage: swept_engine_benchmark FOLDER [--threads N] [--reference N] [--scenes NAME,…] [--files SCENE.json,…]
-//                               [--abuffer] [--rays N]
+//                               [--abuffer] [--rays N] [--random N]
 // FOLDER keeps the reference images, and is used again. Times are CPU seconds of the process, all threads
-// together.
+// together. --random takes so many scenes that nobody chose instead, and counts how often what was asked for
+// is reached.
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -70,6 +71,15 @@ std::optional<double> time_to(const std::vector<Timed>& curve, double db) {
   }
   return std::nullopt;
 }
+
+/// What asking for an error came to, over all scenes.
+struct Asked {
+  int scenes = 0, met = 0;
+  double worst_db = 1e9;   ///< reached less asked
+  double log_ratio = 0.0;  ///< of time to that of the cheapest number of instants for the whole film
+  int ratios = 0;
+};
+std::map<double, Asked> asked_for;
 
 struct Others {
   bool abuffer = false;
@@ -139,6 +149,11 @@ int run_scene(const std::string& name, const Scene& scene, const std::string& fo
     const Result<Timed> point = timed(scene, options, control, &*reference);
     if (!point) return fmt::print(stderr, "{}: {}\n", name, point.error().message()), 1;
     const auto uniform = time_to(curve, db);
+    Asked& asked = asked_for[db];
+    ++asked.scenes;
+    asked.met += point->psnr_db >= db ? 1 : 0;
+    asked.worst_db = std::min(asked.worst_db, point->psnr_db - db);
+    if (uniform) ++asked.ratios, asked.log_ratio += std::log(point->seconds / *uniform);
     fmt::print(" {:.1f} ({:.1f}), {:.2f} s, {:.1f}{} |", point->psnr_db, point->expected_db, point->seconds,
                point->instants, uniform ? fmt::format(", {:.2f}", point->seconds / *uniform) : "");
   }
@@ -170,6 +185,8 @@ int run(int argc, char** argv) {
   app.add_option("--files", files, "Scene files, besides")->delimiter(',');
   Others others;
   app.add_flag("--abuffer", others.abuffer, "The A-buffer too");
+  int random = 0;
+  app.add_option("--random", random, "So many scenes that nobody chose, instead");
   app.add_option("--rays", others.rays, "Embree too, with so many rays a pixel");
   CLI11_PARSE(app, argc, argv);
   std::error_code code;
@@ -183,6 +200,8 @@ int run(int argc, char** argv) {
       "pixel, to uniform | 60 | 75 |{}\n|---|---|---|---|---|---|---|---|---|---|---|{}\n",
       columns, (others.abuffer ? std::string("---|") : std::string()) + (others.rays > 0 ? "---|" : ""));
   int failed = 0;
+  if (random > 0) names.clear();
+  for (int k = 1; k <= random; ++k) names.push_back(fmt::format("random-{}", k));
   for (const std::string& name : names) {
     if (name == "none") continue;
     const Result<EngineScene> made = make_engine_scene(name);
@@ -197,6 +216,12 @@ int run(int argc, char** argv) {
     failed |= run_scene(std::filesystem::path(path).stem().string(), **scene, folder, reference_instants,
                         control, others);
   }
+  for (const auto& [db, asked] : asked_for)
+    fmt::print(
+        "Asked for {} dB: met by {} of {} scenes, the worst by {:+.1f} dB; {:.2f} times the cheapest "
+        "uniform instants (geometric mean of {})\n",
+        db, asked.met, asked.scenes, asked.worst_db, std::exp(asked.log_ratio / std::max(1, asked.ratios)),
+        asked.ratios);
   return failed;
 }
 

@@ -1,8 +1,13 @@
 #include "tools/engine_scenes.h"
 
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <iterator>
 #include <numbers>
+#include <random>
+#include <string_view>
 #include <utility>
 
 #include "datasets/generators.h"
@@ -130,6 +135,45 @@ constexpr Entry entries[] = {
     {"sphere-10k-30", sphere, 10'000, 30},       {"sphere-10M-30", sphere, 10'000'000, 30},
 };
 
+Scene random_scene(std::uint32_t seed) {
+  std::mt19937 bits(seed);
+  // Not the library's distributions, which differ from one to the next.
+  const auto between = [&](double low, double high) { return low + (high - low) * (bits() * 0x1p-32); };
+  const auto spread = [&](double low, double high) {
+    return std::exp(between(std::log(low), std::log(high)));
+  };
+  constexpr const char* shapes[] = {"sphere", "knot", "head", "page", "ribbon", "fan", "plane", "sparks"};
+  Scene scene = stage();
+  scene.film.width = scene.film.height = static_cast<int>(spread(192.0, 512.0));
+  const double unit_px = px_per_unit * scene.film.height / film_px;
+  for (int left = 1 + static_cast<int>(bits() % 3); left > 0; --left) {
+    Object object =
+        object_of(shapes[bits() % std::size(shapes)], static_cast<std::size_t>(spread(3e3, 1e5)), {});
+    object.transform.keys.resize(2);
+    TransformKey &from = object.transform.keys[0], &to = object.transform.keys[1];
+    to.frame = 1.0;
+    from.scale = to.scale = Eigen::Vector3d::Constant(spread(0.3, 1.2));
+    from.translate = {between(-0.8, 0.8), between(-0.8, 0.8), between(-0.8, 0.8)};
+    const double way = between(0.0, 1.0) < 0.2 ? 0.0 : spread(2.0, 150.0) / unit_px;
+    const Eigen::Vector3d direction(between(-1, 1), between(-1, 1), between(-0.5, 0.5));
+    to.translate = from.translate + way * direction.normalized();
+    from.rotate_axis = to.rotate_axis =
+        Eigen::Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+    from.rotate_radians = between(0.0, 6.0);
+    to.rotate_radians = from.rotate_radians + (between(0.0, 1.0) < 0.5 ? 0.0 : between(-1.0, 1.0));
+    if (between(0.0, 1.0) < 0.2)
+      object.cloud.opacity.assign(object.cloud.size(), static_cast<float>(between(0.2, 0.9)));
+    scene.objects.push_back(std::move(object));
+  }
+  if (between(0.0, 1.0) < 0.25) {
+    LookAtKey later = scene.camera.look_ats.front();
+    later.frame = 1.0;
+    later.eye += Eigen::Vector3d(between(-0.3, 0.3), between(-0.3, 0.3), between(-0.5, 0.5));
+    scene.camera.look_ats.push_back(later);
+  }
+  return scene;
+}
+
 }  // namespace
 
 std::vector<std::string> engine_scene_names() {
@@ -140,6 +184,14 @@ std::vector<std::string> engine_scene_names() {
 }
 
 Result<EngineScene> make_engine_scene(const std::string& name) {
+  constexpr std::string_view random = "random-";
+  std::uint32_t seed = 0;
+  if (name.starts_with(random) &&
+      std::from_chars(name.data() + random.size(), name.data() + name.size(), seed).ec == std::errc()) {
+    EngineScene made{name, random_scene(seed)};
+    if (Status valid = made.scene.validate(); !valid) return valid.error();
+    return made;
+  }
   for (const Entry& entry : entries) {
     if (name != entry.name) continue;
     EngineScene made{name, entry.make(entry.points, entry.motion_px)};

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/generators.h"
+#include "splat/fields.h"
 #include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
 #include "tools/console.h"
@@ -46,6 +47,8 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
              scene.fps.denominator);
   fmt::print("shutter   {} to {} frames, {:.6g} s, {:.6g} degrees\n", scene.shutter.open, scene.shutter.close,
              report.exposure_seconds, report.shutter_angle_degrees);
+  if (const Field* curve = find_field("/shutter/curve"); scene.shutter.curve != ShutterShape::box)
+    fmt::print("          light comes in as a {}\n", value_text(*curve, curve->get(scene)));
   fmt::print("film      {} x {} px, window {} x {} at {}, {}\n", film.width, film.height, film.window_width(),
              film.window_height(), film.crop_x, film.crop_y);
   fmt::print("camera    mid-shutter, world space, {}\n",

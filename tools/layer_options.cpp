@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <utility>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -42,24 +41,34 @@ std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command) {
       .add_option_function<std::vector<std::string>>(
           "--layers", set,
           "Write these too: normal.x, .y, .z; motion as forward.u, .v and backward.u, .v, px per frame; "
-          "coverage; all "
-          "of the nearest surface in the middle of the exposure; samples: instants that were averaged; "
-          "error: the "
-          "root mean square error that is expected (both: sampled)")
+          "coverage; all of the nearest surface in the middle of the exposure; samples: instants that were "
+          "averaged (sampled); error: the expected one of each pixel (sampled)")
       ->delimiter(',')
       ->type_name("normal,motion,coverage,samples,error")
       ->check(CLI::IsMember({"normal", "motion", "coverage", "samples", "error"}).name(""));
   return options;
 }
 
-void add_layers(const LayerOptions& options, std::vector<PixelLayer> layers, Rendered& rendered) {
-  rendered.image.channels = std::move(layers);
-  for (PixelLayer& layer : rendered.layers) {
-    const bool samples = layer.name == "instants";
-    if (samples) layer.name = "samples";
-    if (samples ? options.samples : layer.name == "error" && options.error)
-      rendered.image.channels.push_back(std::move(layer));
-  }
+namespace {
+
+ImageChannel samples_channel(const Rendered& rendered) {
+  const Image& image = rendered.image;
+  ImageChannel channel{"samples", std::vector<float>(image.pixel_count())};
+  for (const FilmPart& part : rendered.parts)
+    for (int y = std::max(part.y, image.y); y < std::min(part.y + part.height, image.y + image.height); ++y)
+      for (int x = std::max(part.x, image.x); x < std::min(part.x + part.width, image.x + image.width); ++x)
+        channel.values[static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(x - image.x)] = static_cast<float>(part.instants);
+  return channel;
+}
+
+}  // namespace
+
+void add_layers(const LayerOptions& options, std::vector<ImageChannel> layers, Rendered& rendered) {
+  std::vector<ImageChannel>& channels = rendered.image.channels;
+  channels.insert(channels.begin(), std::make_move_iterator(layers.begin()),
+                  std::make_move_iterator(layers.end()));
+  if (options.samples) channels.push_back(samples_channel(rendered));
 }
 
 }  // namespace swept

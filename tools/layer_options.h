@@ -15,10 +15,9 @@ namespace swept {
 struct LayerOptions {
   LayerChoice choice;
   bool samples = false;  ///< at how many instants each pixel was looked at
-  bool error = false;    ///< that is expected
+  bool error = false;    ///< how far each pixel is expected to be off
 
-  /// Whether the renderer has to tell what it did.
-  [[nodiscard]] bool of_renderer() const { return samples || error; }
+  [[nodiscard]] bool any() const { return samples || error || choice.any(); }
   /// ", layers normal motion", for what tells pictures apart; empty: none.
   [[nodiscard]] std::string text() const;
 };
@@ -26,7 +25,7 @@ struct LayerOptions {
 /// --layers.
 [[nodiscard]] std::shared_ptr<const LayerOptions> add_layer_options(CLI::App& command);
 
-/// Gives the image its channels: `layers`, and what is wanted of those of its renderer.
-void add_layers(const LayerOptions& options, std::vector<PixelLayer> layers, Rendered& rendered);
+/// Puts `layers` before the channels that the image has, and "samples", from what its renderer tells, behind.
+void add_layers(const LayerOptions& options, std::vector<ImageChannel> layers, Rendered& rendered);
 
 }  // namespace swept

@@ -67,7 +67,7 @@ void check_arguments(const RenderArguments& arguments) {
     if (!path.empty() && std::filesystem::path(path).extension() != extension)
       throw CLI::ValidationError(option, fmt::format("must end in {}: {}", extension, path));
   };
-  if (arguments.layers->of_renderer() && arguments.method->method != "sampled")
+  if (arguments.method->method != "sampled" && (arguments.layers->samples || arguments.layers->error))
     throw CLI::ValidationError("--layers", "samples and error go with --method sampled");
   check_extension("--output", arguments.output, ".exr");
   check_extension("--preview", arguments.preview, ".png");
@@ -113,7 +113,7 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
 int render(const RenderArguments& arguments) {
   check_arguments(arguments);
   MethodChoice choice = *arguments.method;
-  choice.arguments.error_layers = arguments.layers->of_renderer();
+  choice.arguments.expect_error = arguments.layers->error;
   const Result<PreparedMethod> method = prepare_method(choice, arguments.control);
   if (!method) throw CLI::ValidationError(method.error().field, method.error().reason);
   std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());

@@ -42,7 +42,7 @@ struct PendingFrame {
   const FrameOutput* output = nullptr;
   ImageMetadata metadata;
   FrameStatistics* statistics = nullptr;
-  std::vector<PixelLayer> layers;
+  std::vector<ImageChannel> layers;
 };
 
 class FrameLoop {
@@ -61,7 +61,7 @@ class FrameLoop {
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
-    Result<std::vector<PixelLayer>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
+    Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
     if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
     pending_.push_back(

@@ -65,8 +65,8 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
   if (!cell) return cell.error();
   options.max_error_db = *frame;
   options.max_cell_error_db = *cell;
-  options.error_layers = arguments.error_layers;
   options.samples = arguments.whole("--samples", options.samples);
+  options.error_channel = arguments.expect_error;
   if (options.samples > 0 && (arguments.given("--max-error") || arguments.given("--max-cell-error")))
     return Error{"", "--samples", "says how many instants, and --max-error has them chosen: one of the two"};
   options.max_seconds = arguments.number("--max-seconds", 0.0);

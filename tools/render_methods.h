@@ -39,7 +39,7 @@ class MethodArguments {
   [[nodiscard]] std::string text(std::string_view option, std::string_view otherwise) const;
   [[nodiscard]] std::vector<std::string> options() const;
 
-  bool error_layers = false;  ///< SampledOptions::error_layers
+  bool expect_error = false;  ///< the channel "error" is asked for, of methods that have it
 
  private:
   std::map<std::string, std::string, std::less<>> texts_;

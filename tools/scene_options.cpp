@@ -48,6 +48,10 @@ struct FieldOption {
   /// "WIDTHxHEIGHT", "R,G,B[,A]", "soft|hard".
   [[nodiscard]] std::string type_name() const {
     std::string text;
+    if (fields.front()->count != nullptr) {
+      const std::string name(fields.front()->numbers.front().name);
+      return name + separator + name + "[" + separator + "...]";
+    }
     for (const Field* field : fields) {
       for (const std::string_view word : field->words) (text += text.empty() ? "" : "|") += word;
       for (std::size_t i = 0; i < field->numbers.size() && field->words.empty(); ++i) {

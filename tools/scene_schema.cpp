@@ -67,7 +67,10 @@ Json field_schema(const Field& field) {
   }
   if (field.numbers.size() == 1) return described(number_schema(field.numbers[0]), help);
   Json array = {{"type", "array"}, {"items", Json::array()}};
-  for (const FieldNumber& number : field.numbers) array["items"].push_back(number_schema(number));
+  if (field.count != nullptr)
+    array["items"] = number_schema(field.numbers[0]);
+  else
+    for (const FieldNumber& number : field.numbers) array["items"].push_back(number_schema(number));
   array["minItems"] = std::max<std::size_t>(field.least, 2);
   array["maxItems"] = field.numbers.size();
   // One number does where only it must be given.

@@ -1,7 +1,7 @@
 // The reference for Gaussian splats: the plain mean of still images, in double precision, splat by splat and
 // pixel by pixel. It shares nothing with the engine.
 //
-// Sources: model section 13; Kerbl et al. 2023, 3D Gaussian Splatting (projection, blending, constants);
+// Sources: model section 14; Kerbl et al. 2023, 3D Gaussian Splatting (projection, blending, constants);
 // Yu et al. 2023, Mip-Splatting (antialiased files); Huang et al. 2024, 2D Gaussian Splatting (discs).
 #pragma once
 

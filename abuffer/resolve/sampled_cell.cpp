@@ -181,6 +181,20 @@ void SampledCell::find_general_behind(const GeneralDisc& disc, std::uint32_t ind
 }
 
 void SampledCell::add(std::span<const ObjectInstant> instants, const InstantWeights& weights) {
+  draw(instants);
+  math_.add_instant(*buffers_, weights, background_, *sums_, cell_.height);
+  if (++unflushed_ == instants_a_flush) flush();
+}
+
+const std::vector<SampledCell::Surface>& SampledCell::surfaces(std::span<const ObjectInstant> instants) {
+  surfaces_.clear();
+  keeps_surfaces_ = true;
+  draw(instants);
+  keeps_surfaces_ = false;
+  return surfaces_;
+}
+
+void SampledCell::draw(std::span<const ObjectInstant> instants) {
   ++counters.instants;
   select(instants);
   counters.packets += visible_.size();
@@ -211,9 +225,17 @@ void SampledCell::add(std::span<const ObjectInstant> instants, const InstantWeig
     math_.add_to_front(placed, placed.seen, cell_.x, cell_.y, cell_.width, cell_.height, rule_, cell);
     for (std::size_t g = v.general_begin; g < v.general_end; ++g) add_general_to_front(general_[g]);
   }
-  if (math_.shade_front(rule_, cell, cell_.height)) shade_behind(instants, 0, cell_.height);
-  math_.add_instant(cell, weights, background_, *sums_, cell_.height);
-  if (++unflushed_ == instants_a_flush) flush();
+  const bool leaks = math_.shade_front(rule_, cell, cell_.height);
+  if (keeps_surfaces_)
+    for (int y = 0; y < cell_.height; ++y)
+      for (int x = 0; x < cell_.width; ++x) {
+        const int i = y * cell_pitch + x;
+        const float alpha = cell.alpha[i];
+        if (alpha > 0.0f)
+          surfaces_.push_back(
+              {x, y, cell.depth[i] / alpha, {cell.red[i], cell.green[i], cell.blue[i], alpha}});
+      }
+  if (leaks) shade_behind(instants, 0, cell_.height);
 }
 
 /// Appends what lies behind, in the order of the points. Returns false where that becomes too much to hold.
@@ -298,6 +320,11 @@ void SampledCell::shade_layer(const LayerSum& sum, std::uint32_t pixel, float& t
   if (!(sum.weight >= std::numeric_limits<float>::min())) return;
   const float divisor = rule_.hard || sum.weight >= rule_.edge_weight ? sum.weight : rule_.edge_weight;
   const float inverse = 1.0f / divisor, alpha = std::min(sum.rgba[3] / divisor, 1.0f);
+  if (keeps_surfaces_)
+    surfaces_.push_back({static_cast<int>(pixel) % cell_pitch,
+                         static_cast<int>(pixel) / cell_pitch,
+                         sum.depth / sum.weight,
+                         {sum.rgba[0] * inverse, sum.rgba[1] * inverse, sum.rgba[2] * inverse, alpha}});
   buffers_->red[pixel] += through * (sum.rgba[0] * inverse);
   buffers_->green[pixel] += through * (sum.rgba[1] * inverse);
   buffers_->blue[pixel] += through * (sum.rgba[2] * inverse);

@@ -48,6 +48,14 @@ class SampledCell {
   /// Adds the image at an instant, one ObjectInstant for each object.
   void add(std::span<const ObjectInstant> instants, const InstantWeights& weights);
 
+  /// A surface in a pixel: premultiplied, linear.
+  struct Surface {
+    int x, y;  ///< pixel of the cell
+    float depth, rgba[4];
+  };
+  /// The surfaces at an instant, in each pixel from the nearest to the farthest; nothing is added to any sum.
+  const std::vector<Surface>& surfaces(std::span<const ObjectInstant> instants);
+
   /// Σ over pixels of squared sums, the background included.
   struct Squares {
     double alternating = 0.0;  ///< of R, G and B
@@ -83,6 +91,7 @@ class SampledCell {
     float weight = 0.0f, rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f}, depth = 0.0f;
   };
 
+  void draw(std::span<const ObjectInstant> instants);
   void select(std::span<const ObjectInstant> instants);
   void place(std::size_t i, std::span<const ObjectInstant> instants);
   void bring_general_to_front(const GeneralDisc& disc);
@@ -122,6 +131,8 @@ class SampledCell {
   std::size_t behind_count_ = 0;
   std::vector<std::uint32_t> starts_, sorted_;
   std::vector<Layer> layers_;
+  bool keeps_surfaces_ = false;
+  std::vector<Surface> surfaces_;
 };
 
 }  // namespace swept

@@ -1,5 +1,5 @@
 // The hot arithmetic of Gaussian splats, over plain pointers: sixteen splats placed at an instant, and what
-// they show in one tile of the film. Source: model section 13.
+// they show in one tile of the film. Source: model section 14.
 //
 // Every implementation gives the same bits, as those of sampled_math.h do: lanes never meet, nothing is
 // contracted, and what is computed for a pixel depends on splats and pixel alone, never on the crop.
@@ -87,6 +87,17 @@ struct SplatTile {
   SplatBlock blocks[tile_blocks];
 };
 
+/// Depths between which splats are drawn, pixel by pixel of a tile: from ≤ z < to.
+struct SplatRange {
+  alignas(64) float from[tile_floats], to[tile_floats];
+};
+
+/// What a surface shows in a tile's pixels: premultiplied, linear.
+struct SurfaceLayer {
+  alignas(64) float red[tile_floats], green[tile_floats], blue[tile_floats], alpha[tile_floats];
+  alignas(64) float depth[tile_floats];
+};
+
 /// Sums over the instants of a tile, block by block, in each row by row.
 struct SplatSums {
   alignas(64) float red[tile_floats], green[tile_floats], blue[tile_floats];  ///< over the background
@@ -115,6 +126,15 @@ struct SplatMath {
   /// Blends `list` into the pixels of the tile whose first is (x, y). Returns how many places of a splat and
   /// a block of pixels were looked at.
   std::size_t (*draw)(const SplatList& list, int x, int y, const SplatRule& rule, SplatTile& tile);
+
+  /// The same of splats between depths that differ from pixel to pixel.
+  std::size_t (*draw_between)(const SplatList& list, int x, int y, const SplatRule& rule,
+                              const SplatRange& range, SplatTile& tile);
+
+  /// What is seen of `count` surfaces and the runs of splats before, between and behind them, over the
+  /// background: linear colours, which no background has to be added to.
+  void (*fold)(const SplatTile* runs, const SurfaceLayer* surfaces, std::size_t count, const SplatRule& rule,
+               SplatTile& seen);
 
   void (*clear)(SplatTile& tile);
   /// Adds an instant to the sums, and to those that the error is estimated from.

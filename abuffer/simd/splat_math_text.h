@@ -73,6 +73,14 @@ SWEPT_LANE Vector decoded(Vector s) {
   return choose(s < all(0.0f), all(0.0f) - light, light);
 }
 
+/// The inverse of decoded().
+SWEPT_LANE Vector encoded(Vector light) {
+  const Vector v = magnitude(light);
+  const Vector power = all(1.055f) * power_of_two(all(0.41666667f) * log2_of(larger(v, all(1e-30f))));
+  const Vector value = choose(v <= all(0.0031308f), v * all(12.92f), power - all(0.055f));
+  return choose(light < all(0.0f), all(0.0f) - value, value);
+}
+
 /// Bits first … last of eight.
 inline std::uint64_t eight_bits(int first, int last) { return (2u << last) - (1u << first); }
 
@@ -140,8 +148,9 @@ struct Brush {
 };
 
 /// Blends into a block of the tile. Returns whether a pixel has all its light taken by that.
-template <bool flat>
-SWEPT_LANE bool draw_block(const Brush& brush, const SplatRule& rule, int block, SplatBlock& to) {
+template <bool flat, bool ranged>
+SWEPT_LANE bool draw_block(const Brush& brush, const SplatRule& rule, const SplatRange* range, int block,
+                           SplatBlock& to) {
   std::uint32_t ended = 0;
   for (int part = 0; part < vector_parts; ++part) {
     const int i = part * vector_lanes;
@@ -162,7 +171,10 @@ SWEPT_LANE bool draw_block(const Brush& brush, const SplatRule& rule, int block,
     const Vector gauss = quick_power_of_two(all(0.0f) - smaller(square, all(100.0f)));
     const Vector alpha = smaller(brush.opacity * gauss, all(rule.most_alpha));
     const Vector through = load(to.light + i);
-    const Mask counts = (all(rule.least_alpha) <= alpha) & (all(0.0f) < through);
+    Mask counts = (all(rule.least_alpha) <= alpha) & (all(0.0f) < through);
+    if constexpr (ranged)
+      counts = counts & (load(range->from + 16 * block + i) <= brush.depth) &
+               (brush.depth < load(range->to + 16 * block + i));
     if (vector_lanes > 1 && bits(counts) == 0) continue;
     const Vector weight = through * alpha, left = through - weight;
     const Mask drawn = counts & (all(rule.least_light) <= left);
@@ -181,14 +193,14 @@ SWEPT_LANE bool draw_block(const Brush& brush, const SplatRule& rule, int block,
 
 /// Blends into blocks of the tile. Returns those in which no pixel has light left, among those that lost
 /// some.
-template <bool flat>
-SWEPT_LANE std::uint64_t draw_blocks(const Brush& brush, const SplatRule& rule, std::uint64_t blocks,
-                                     SplatTile& tile) {
+template <bool flat, bool ranged>
+SWEPT_LANE std::uint64_t draw_blocks(const Brush& brush, const SplatRule& rule, const SplatRange* range,
+                                     std::uint64_t blocks, SplatTile& tile) {
   std::uint64_t dark = 0;
   for (; blocks != 0; blocks &= blocks - 1) {
     const int block = __builtin_ctzll(blocks);
     SplatBlock& to = tile.blocks[block];
-    if (!draw_block<flat>(brush, rule, block, to)) continue;
+    if (!draw_block<flat, ranged>(brush, rule, range, block, to)) continue;
     std::uint32_t open = 0;
     for (int k = 0; k < 16; k += vector_lanes) open |= bits(all(0.0f) < load(to.light + k));
     if (open == 0) dark |= std::uint64_t{1} << block;
@@ -196,7 +208,9 @@ SWEPT_LANE std::uint64_t draw_blocks(const Brush& brush, const SplatRule& rule, 
   return dark;
 }
 
-inline std::size_t draw_text(const SplatList& list, int x, int y, const SplatRule& given, SplatTile& tile) {
+template <bool ranged>
+SWEPT_LANE std::size_t draw_list(const SplatList& list, int x, int y, const SplatRule& given,
+                                 const SplatRange* range, SplatTile& tile) {
   std::size_t looks = 0;
   std::uint64_t lit = ~std::uint64_t{0};
   const SplatRule rule = given;
@@ -210,10 +224,61 @@ inline std::size_t draw_text(const SplatList& list, int x, int y, const SplatRul
     if (blocks == 0) continue;
     looks += static_cast<std::size_t>(__builtin_popcountll(blocks));
     const Brush brush(splat, x, y);
-    lit &= ~(disc ? draw_blocks<true>(brush, rule, blocks, tile)
-                  : draw_blocks<false>(brush, rule, blocks, tile));
+    lit &= ~(disc ? draw_blocks<true, ranged>(brush, rule, range, blocks, tile)
+                  : draw_blocks<false, ranged>(brush, rule, range, blocks, tile));
   }
   return looks;
+}
+
+inline std::size_t draw_text(const SplatList& list, int x, int y, const SplatRule& rule, SplatTile& tile) {
+  return draw_list<false>(list, x, y, rule, nullptr, tile);
+}
+
+inline std::size_t draw_between_text(const SplatList& list, int x, int y, const SplatRule& rule,
+                                     const SplatRange& range, SplatTile& tile) {
+  return draw_list<true>(list, x, y, rule, &range, tile);
+}
+
+/// A run of splats covers what is behind it in the values it was trained in; surfaces blend in light.
+inline void fold_text(const SplatTile* runs, const SurfaceLayer* surfaces, std::size_t count,
+                      const SplatRule& rule, SplatTile& seen) {
+  const Vector one = all(1.0f);
+  for (int i = 0; i < tile_floats; i += vector_lanes) {
+    const int lane = i % 16;
+    Vector behind[3] = {all(rule.background[0]), all(rule.background[1]), all(rule.background[2])};
+    for (std::size_t k = count + 1; k-- > 0;) {
+      const SplatBlock& run = runs[k].blocks[i / 16];
+      const Vector light = magnitude(load(run.light + lane));
+      const Mask none = one <= light;
+      const float* const of_run[3] = {run.red, run.green, run.blue};
+      for (int c = 0; c < 3; ++c) {
+        const Vector own = load(of_run[c] + lane);
+        const Vector over = rule.linear ? own + light * behind[c] : decoded(own + light * encoded(behind[c]));
+        behind[c] = choose(none, behind[c], over);
+      }
+      if (k == 0) break;
+      const SurfaceLayer& surface = surfaces[k - 1];
+      const Vector through = one - load(surface.alpha + i);
+      const float* const of_surface[3] = {surface.red, surface.green, surface.blue};
+      for (int c = 0; c < 3; ++c) behind[c] = load(of_surface[c] + i) + through * behind[c];
+    }
+    Vector through = one, depth = all(0.0f);
+    for (std::size_t k = 0; k <= count; ++k) {
+      const SplatBlock& run = runs[k].blocks[i / 16];
+      depth = depth + through * load(run.depth + lane);
+      through = through * magnitude(load(run.light + lane));
+      if (k == count) break;
+      const Vector alpha = load(surfaces[k].alpha + i);
+      depth = depth + through * (alpha * load(surfaces[k].depth + i));
+      through = through * (one - alpha);
+    }
+    SplatBlock& to = seen.blocks[i / 16];
+    store(behind[0], to.red + lane);
+    store(behind[1], to.green + lane);
+    store(behind[2], to.blue + lane);
+    store(depth, to.depth + lane);
+    store(through, to.light + lane);
+  }
 }
 
 inline void clear_tile_text(SplatTile& tile) {
@@ -256,8 +321,9 @@ inline void add_tile_text(const SplatTile& tile, const SplatRule& rule, const In
 }  // namespace swept
 
 /// Defines what splat_math.cpp lists.
-#define SWEPT_DEFINE_SPLAT_MATH(symbol, name)                                          \
-  namespace swept {                                                                    \
-  extern const SplatMath symbol;                                                       \
-  const SplatMath symbol{name, place_text, draw_text, clear_tile_text, add_tile_text}; \
+#define SWEPT_DEFINE_SPLAT_MATH(symbol, name)                                         \
+  namespace swept {                                                                   \
+  extern const SplatMath symbol;                                                      \
+  const SplatMath symbol{name,      place_text,      draw_text,    draw_between_text, \
+                         fold_text, clear_tile_text, add_tile_text};                  \
   }

@@ -28,7 +28,9 @@ void SplatEstimate::extrapolate(double falls_by, int count) {
   // Passing bells fall faster and faster. Splats that change their order are jumps, which fall by 4; nothing
   // seen so far tells when they begin to lead.
   const double least_fall = count < 4 ? 0.2 : 0.15;
-  squares_ = multiples * alternating_ * std::clamp(falls_by, least_fall, 1.0);
+  const double share = multiples * std::clamp(falls_by, least_fall, 1.0);
+  squares_ = share * alternating_;
+  per_alternating_ = share / (double{1.0} * count * count);
 }
 
 }  // namespace swept

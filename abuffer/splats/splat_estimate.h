@@ -16,11 +16,13 @@ class SplatEstimate {
 
   /// Expected, Σ over pixels and R, G, B.
   [[nodiscard]] double squares() const { return squares_; }
+  /// How much of it there is for every square of an alternating sum.
+  [[nodiscard]] double per_alternating() const { return per_alternating_; }
 
  private:
   void extrapolate(double falls_by, int count);
 
-  double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0;
+  double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0, per_alternating_ = 0.0;
 };
 
 }  // namespace swept

@@ -6,20 +6,23 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
-#include "abuffer/resolve/sample_plan.h"
+#include "abuffer/splats/cell_work.h"
+#include "abuffer/splats/film_motion.h"
 #include "abuffer/splats/splat_cell.h"
-#include "abuffer/splats/splat_estimate.h"
-#include "abuffer/splats/splat_motion.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
+#include "abuffer/splats/splat_surfaces.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -27,53 +30,6 @@ namespace {
 
 /// Placed splats of so many bytes are held at once, or those of one instant.
 constexpr std::size_t most_placed_bytes = std::size_t{256} << 20;
-
-/// Instants are doubled at most to so many.
-constexpr int most_chosen = 1 << 14;
-
-/// Shutter time numerator / denominator.
-struct RoundInstant {
-  int numerator, denominator;
-
-  [[nodiscard]] double time() const { return static_cast<double>(numerator) / denominator; }
-  [[nodiscard]] bool operator<(const RoundInstant& other) const {
-    return std::int64_t{numerator} * other.denominator < std::int64_t{other.numerator} * denominator;
-  }
-  [[nodiscard]] bool operator==(const RoundInstant& other) const {
-    return !(*this < other) && !(other < *this);
-  }
-};
-
-/// A cell of the film's window on its way to the image. Its instants are N midpoints of strata of the
-/// exposure; doubled, those half-way between and at both ends too, at half weight there: the trapezoid's
-/// rule; doubled again, those half-way between.
-struct CellWork {
-  std::size_t index = 0;  ///< in the grid
-  Cell cell;
-  int count = 1;  ///< of the rule, after this round
-  bool moves = false, adaptive = false, done = false;
-  int doublings = 0;
-  int instants = 0;  ///< looked at in all
-  int next = 0;      ///< of this round
-  double expected_squares = 0.0;
-  std::unique_ptr<CellOfSplats> sums;  ///< while it is not done
-  std::unique_ptr<SplatEstimate> estimate;
-
-  [[nodiscard]] int round_size() const {
-    return done ? 0 : doublings == 0 ? count : doublings == 1 ? count / 2 + 1 : count / 2;
-  }
-  /// In the order of time.
-  [[nodiscard]] RoundInstant instant(int i) const {
-    if (doublings == 0) return {2 * i + 1, 2 * count};
-    return doublings == 1 ? RoundInstant{i, count / 2} : RoundInstant{2 * i + 1, count};
-  }
-  [[nodiscard]] InstantWeights weights(int i) const {
-    if (!adaptive) return {};
-    if (doublings == 0) return estimating_weights(i, count);
-    const float w = doublings == 1 && (i == 0 || i == count / 2) ? 0.5f : 1.0f;
-    return {w, -w, 0.0f, 0.0f};
-  }
-};
 
 class SplatFrame {
  public:
@@ -83,39 +39,46 @@ class SplatFrame {
         control_(control),
         exposure_(scene.exposure()),
         grid_(scene.film),
-        math_(math_for(options)),
+        math_(splat_maths().first[implementation_of(options, splat_maths().count)]),
         rule_(splat_rule(scene)),
         painters_([this] { return SplatPainter(math_, rule_); }) {}
 
   Result<Rendered> render() {
-    const std::size_t bytes = packed_splat_bytes(scene_);
+    const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the splats alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes"};
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
+    surfaces_ = std::make_unique<SplatSurfaces>(scene_, exposure_, options_.only_standing,
+                                                implementation_of(options_, sampled_maths().count));
     out.statistics.time("packets", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
+    if (options_.error_channel)
+      out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     standing_ = SplatRow(scene_, sets_, false, exposure_.open, math_, grid_, wanted_of_window());
     plan();
     out.statistics.time("motion", watch.lap());
-    while (std::any_of(cells_.begin(), cells_.end(), [](const CellWork& work) { return !work.done; })) {
+    const auto unfinished = [](const CellWork& work) { return !work.done && !work.waiting; };
+    do {
       if (!render_round()) return Error{"", "", "the render was stopped"};
-    }
+    } while (std::any_of(cells_.begin(), cells_.end(), unfinished) || spend_more());
+    parallel_for_each_index(cells_.size(), [&](std::size_t i) {
+      if (cells_[i].waiting) finish(cells_[i]);
+    });
     if (control_.progress && told_ < 1.0) control_.progress(1.0);
     out.statistics.time("cells", watch.lap());
     describe(out.statistics);
+    for (const CellWork& work : cells_)
+      out.parts.push_back({work.cell.x, work.cell.y, work.cell.width, work.cell.height, work.instants});
     return out;
   }
 
  private:
-  static const SplatMath& math_for(const SampledOptions& options) {
-    const SplatMaths maths = splat_maths();
-    const std::size_t widest = maths.count - 1;
-    return maths.first[options.implementation < 0
-                           ? widest
-                           : std::min(static_cast<std::size_t>(options.implementation), widest)];
+  static std::size_t implementation_of(const SampledOptions& options, std::size_t count) {
+    return options.implementation < 0 ? count - 1
+                                      : std::min(static_cast<std::size_t>(options.implementation), count - 1);
   }
 
   [[nodiscard]] bool in_window(const Cell& cell) const {
@@ -130,9 +93,12 @@ class SplatFrame {
   }
 
   void plan();
+  void share_instants(int most);
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
+  void finish(CellWork& work);
+  [[nodiscard]] bool spend_more();
   void tell(double more);
   void describe(Statistics& statistics) const;
 
@@ -145,12 +111,15 @@ class SplatFrame {
   SplatRule rule_;
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
-  std::unique_ptr<SplatMotion> motion_;
+  std::unique_ptr<FilmMotion> motion_;
+  std::unique_ptr<SplatSurfaces> surfaces_;
   std::vector<CellWork> cells_;
   double allowed_mean_square_ = 0.0;
   Image* image_ = nullptr;
   tbb::enumerable_thread_specific<SplatPainter> painters_;
   std::size_t placed_instants_ = 0;
+  Stopwatch begun_;
+  double placing_seconds_ = 0.0;  ///< of a round
   std::mutex progress_mutex_;
   double drawn_ = 0.0, planned_ = 0.0, told_ = 0.0;
 };
@@ -160,31 +129,32 @@ void SplatFrame::plan() {
   const bool any_moves =
       std::any_of(sets_.begin(), sets_.end(), [](const SplatPackets& set) { return set.moves; });
   if (any_moves && !exposure_.instant())
-    motion_ = std::make_unique<SplatMotion>(scene_, exposure_, sets_, standing_, math_, grid_);
+    motion_ = std::make_unique<FilmMotion>(scene_, exposure_, sets_, standing_, math_, grid_);
+  // With time to spend the first look is a coarse one.
+  const double first_db = options_.max_seconds > 0.0 ? 30.0 : options_.max_error_db;
   double moving_px = 0.0;
   int most = 1;
   for (std::size_t c = 0; c < grid_.size(); ++c) {
     CellWork work;
     work.index = c;
     work.cell = grid_.cell(c);
+    const float surface_px = surfaces_->motion_px(c);
+    const bool splats_move = motion_ != nullptr && motion_->moves(c);
     // At an instant velocities have been followed up to it.
-    work.moves = any_moves && (motion_ == nullptr || motion_->moves(c));
-    if (motion_ != nullptr && work.moves) {
+    work.moves = exposure_.instant() ? any_moves : splats_move || surface_px > 0.0f;
+    if (work.moves && !exposure_.instant()) {
       moving_px += double{1.0} * work.cell.width * work.cell.height;
       work.adaptive = options_.samples == 0;
-      work.count =
-          work.adaptive ? first_splat_instants(motion_->spread(c), options_.max_error_db) : options_.samples;
+      work.estimated = work.adaptive || options_.error_channel;
+      work.count = options_.samples;
+      if (work.adaptive)
+        work.count = std::max(first_instants(surface_px, first_db),
+                              splats_move ? first_splat_instants(motion_->spread(c), first_db) : 2);
       most = std::max(most, work.count);
     }
     if (in_window(work.cell)) cells_.push_back(std::move(work));
   }
-  // Halves of the largest number have their instants in common with each other, cell by cell.
-  for (CellWork& work : cells_) {
-    if (!work.adaptive) continue;
-    int count = most;
-    while (count % 2 == 0 && count / 2 >= std::max(2, work.count)) count /= 2;
-    work.count = count;
-  }
+  share_instants(most);
   for (const CellWork& work : cells_) planned_ += work.count;
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
@@ -194,11 +164,40 @@ void SplatFrame::plan() {
   if (motion_ != nullptr && motion_->jumps()) allowed_mean_square_ /= 3.0;
 }
 
+/// Cells that have a half, a quarter, … of the largest number of instants need fewer of them in all than
+/// cells that have as few as they can; but then some look at more. Whichever costs less.
+void SplatFrame::share_instants(int most) {
+  // Of placing a splat, and of drawing a pixel, in the mean over trained files: their ratio is what counts.
+  constexpr double place = 0.1, draw = 0.12;
+  double splats = 0.0;
+  for (const SplatPackets& set : sets_) splats += set.moves ? static_cast<double>(set.splats) : 0.0;
+  const auto half_of_most = [&](const CellWork& work) {
+    int count = most;
+    while (count % 2 == 0 && count / 2 >= std::max(2, work.count)) count /= 2;
+    return count;
+  };
+  const auto cost = [&](const auto& count_of) {
+    std::set<int> counts;
+    double px = 0.0;
+    for (const CellWork& work : cells_) {
+      if (!work.adaptive) continue;
+      counts.insert(count_of(work));
+      px += double{1.0} * count_of(work) * work.cell.width * work.cell.height;
+    }
+    return place * splats * std::accumulate(counts.begin(), counts.end(), 0.0) + draw * px;
+  };
+  const bool halves = cost(half_of_most) < cost([](const CellWork& work) { return work.count; });
+  for (CellWork& work : cells_)
+    if (work.adaptive && halves) work.count = half_of_most(work);
+}
+
 /// Draws what every cell still lacks. False: the render was stopped.
 bool SplatFrame::render_round() {
+  placing_seconds_ = 0.0;
   std::vector<RoundInstant> instants;
   for (CellWork& work : cells_) {
     work.next = 0;
+    if (!work.waiting) work.seconds = 0.0;
     if (!work.moves) continue;
     for (int i = 0; i < work.round_size(); ++i) instants.push_back(work.instant(i));
     // A few numbers of instants are what all cells have between them.
@@ -232,29 +231,41 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
     }
   }
   std::vector<SplatRow> rows(instants.size());
+  // One more, of cells in which nothing moves.
+  std::vector<std::vector<ObjectInstant>> objects(instants.size() + 1);
+  objects.back() = surfaces_->at(0.5);
+  Stopwatch placing;
   parallel_for_each_index(instants.size(), [&](std::size_t k) {
-    if (!control_.stop.stop_requested())
-      rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
+    if (control_.stop.stop_requested()) return;
+    objects[k] = surfaces_->at(instants[k].time());
+    rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
   });
   placed_instants_ += instants.size();
+  placing_seconds_ += placing.lap();
   static const SplatRow nothing;
+  static const std::vector<SampledCell::Surface> no_surfaces;
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, cells_.size(), 1), [&](const auto& range) {
     SplatPainter& painter = painters_.local();
     for (std::size_t c = range.begin(); c != range.end(); ++c) {
       CellWork& work = cells_[c];
-      if (work.done || control_.stop.stop_requested()) continue;
+      if (work.done || work.waiting || control_.stop.stop_requested()) continue;
       if (!work.sums) work.sums = std::make_unique<CellOfSplats>();
+      Stopwatch own;
+      SampledCell* const discs = surfaces_->begin(work.index);
       const int first = work.next;
       while (work.next < work.round_size()) {
-        const SplatRow* row = &nothing;
+        std::size_t k = instants.size();
         if (work.moves) {
           const auto found = std::lower_bound(instants.begin(), instants.end(), work.instant(work.next));
           if (found == instants.end() || !(*found == work.instant(work.next))) break;
-          row = &rows[static_cast<std::size_t>(found - instants.begin())];
+          k = static_cast<std::size_t>(found - instants.begin());
         }
-        painter.add(work.cell, work.index, standing_, *row, work.weights(work.next), *work.sums);
+        painter.add(work.cell, work.index, standing_, k < rows.size() ? rows[k] : nothing,
+                    discs != nullptr ? discs->surfaces(objects[k]) : no_surfaces, work.weights(work.next),
+                    *work.sums);
         ++work.next;
       }
+      work.seconds += own.lap();
       work.instants += work.next - first;
       const double drawn = work.next - first;
       if (work.next == work.round_size()) finish_round(work);
@@ -264,39 +275,73 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
   return !control_.stop.stop_requested();
 }
 
+/// Into the image.
+void SplatFrame::finish(CellWork& work) {
+  work.sums->store(work.cell, work.count, scene_.background[3], *image_);
+  if (options_.error_channel && work.estimate)
+    work.sums->store_error(work.cell, work.estimate->per_alternating(), *image_,
+                           image_->channels.front().values);
+  work.sums.reset();
+  work.estimate.reset();
+  work.done = true;
+  work.waiting = false;
+}
+
 /// Stores a cell that is good enough, and doubles one that is not.
 void SplatFrame::finish_round(CellWork& work) {
-  bool enough = true;
-  if (work.adaptive) {
+  if (work.estimated && work.count > 1) {
     const SplatSquares squares = work.sums->squares(work.cell);
     if (work.estimate == nullptr)
       work.estimate = std::make_unique<SplatEstimate>(squares, work.count);
     else
       work.estimate->refine(squares, work.count);
     work.expected_squares = work.estimate->squares();
-    const double of_cell = options_.max_cell_error_db > 0.0
-                               ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
-                               : std::numeric_limits<double>::infinity();
-    const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * work.cell.width * work.cell.height;
-    enough = work.expected_squares <= allowed || work.count >= most_chosen;
   }
-  if (enough) {
-    work.sums->store(work.cell, work.count, scene_.background[3], *image_);
-    work.sums.reset();
-    work.estimate.reset();
-    work.done = true;
+  if (!work.adaptive) return finish(work);
+  if (options_.max_seconds > 0.0) {
+    work.waiting = true;
     return;
   }
-  work.sums->alternate_from_sums();
-  work.count *= 2;
-  ++work.doublings;
+  const double of_cell = options_.max_cell_error_db > 0.0 ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
+                                                          : std::numeric_limits<double>::infinity();
+  const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * work.cell.width * work.cell.height;
+  if (work.expected_squares <= allowed || work.count >= most_splat_instants)
+    finish(work);
+  else
+    work.double_instants();
+}
+
+/// Doubles those that wait and gain most by it, as far as the seconds asked for go. False: none.
+bool SplatFrame::spend_more() {
+  if (!(options_.max_seconds > 0.0)) return false;
+  double best = 0.0;
+  for (const CellWork& work : cells_) best = std::max(best, work.gain());
+  if (best == 0.0) return false;
+  std::vector<CellWork*> order;
+  // A doubling divides the gain by eight or more: a round takes what is within that of the best.
+  for (CellWork& work : cells_)
+    if (work.gain() >= 0.125 * best) order.push_back(&work);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const CellWork* a, const CellWork* b) { return a->gain() > b->gain(); });
+  const auto threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
+  double left = (options_.max_seconds - begun_.so_far() - 2.0 * placing_seconds_) * threads;
+  bool any = false;
+  for (CellWork* work : order) {
+    const double needs = work->seconds * (work->doublings == 0 ? 1.0 : 2.0);
+    if (needs > left) break;
+    left -= needs;
+    work->double_instants();
+    any = true;
+  }
+  return any;
 }
 
 void SplatFrame::tell(double more) {
   const std::lock_guard lock(progress_mutex_);
   drawn_ += more;
   // Cells that are doubled add to what was planned.
-  const double share = std::min(1.0, drawn_ / std::max(1.0, planned_));
+  const double share = options_.max_seconds > 0.0 ? std::min(0.99, begun_.so_far() / options_.max_seconds)
+                                                  : std::min(1.0, drawn_ / std::max(1.0, planned_));
   if (share > told_) control_.progress(told_ = share);
 }
 
@@ -318,6 +363,7 @@ void SplatFrame::describe(Statistics& s) const {
   for (const SplatPainter& painter : painters_) looks += static_cast<double>(painter.looks);
   s.count("splats", splats);
   s.count("splats_moving", moving);
+  s.count("surfels", static_cast<double>(surfaces_->discs()));
   s.count("packed_bytes", static_cast<double>(packed_splat_bytes(scene_)));
   s.count("instants_placed", static_cast<double>(placed_instants_));
   s.count("instants_per_pixel", instants / std::max(1.0, px));
@@ -327,7 +373,7 @@ void SplatFrame::describe(Statistics& s) const {
     s.count("fastest_splat_px", double{motion_->fastest_px()});
     s.count("fastest_splat_deviations", double{motion_->fastest_spread()});
   }
-  if (options_.samples == 0) {
+  if (options_.samples == 0 || options_.error_channel) {
     const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
     s.count("expected_rmse", rmse);
     s.count("expected_psnr_db", -20.0 * std::log10(rmse));
@@ -340,24 +386,6 @@ void SplatFrame::describe(Statistics& s) const {
 }
 
 }  // namespace
-
-Status check_splats(const Scene& scene) {
-  const Object* first = nullptr;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const Object& object = scene.objects[i];
-    const std::string field = "/objects/" + std::to_string(i);
-    if (object.cloud.size() > 0)
-      return Error{"", field, "is made of discs, which are not drawn together with Gaussian splats"};
-    if (object.splats.size() == 0) continue;
-    if (first != nullptr && scene.splats.blending == SplatBlending::file &&
-        first->splats.colors != object.splats.colors)
-      return Error{"", field,
-                   "is blended in other values than another object's splats; say in which with "
-                   "/splats/blending"};
-    first = &object;
-  }
-  return Done{};
-}
 
 Result<Rendered> render_splats(const Scene& scene, const SampledOptions& options,
                                const RenderControl& control) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "abuffer/sources/content_order.h"
@@ -122,6 +123,22 @@ SplatFields SplatPackets::fields(std::size_t packet) const {
           harmonics.data() + static_cast<std::size_t>(3 * coefficients) * at,
           coefficients,
           lanes[packet]};
+}
+
+Status check_splats(const Scene& scene) {
+  const Object* first = nullptr;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const Object& object = scene.objects[i];
+    const std::string field = "/objects/" + std::to_string(i);
+    if (object.splats.size() == 0) continue;
+    if (first != nullptr && scene.splats.blending == SplatBlending::file &&
+        first->splats.colors != object.splats.colors)
+      return Error{"", field,
+                   "is blended in other values than another object's splats; say in which with "
+                   "/splats/blending"};
+    first = &object;
+  }
+  return Done{};
 }
 
 std::size_t packed_splat_bytes(const Scene& scene) {

@@ -9,6 +9,7 @@
 
 #include "abuffer/simd/splat_math.h"
 #include "splat/exposure.h"
+#include "splat/result.h"
 #include "splat/scene.h"
 
 namespace swept {
@@ -28,6 +29,9 @@ struct SplatPackets {
 
   [[nodiscard]] SplatFields fields(std::size_t packet) const;
 };
+
+/// Whether the splats of a scene can be blended into one picture.
+[[nodiscard]] Status check_splats(const Scene& scene);
 
 /// Bytes that pack_splats() keeps: 60 a splat and 12 a coefficient, 252 at degree 3; 12 more with velocities.
 [[nodiscard]] std::size_t packed_splat_bytes(const Scene& scene);

@@ -57,8 +57,7 @@ int Subframes::choose() {
 KernelSet Subframes::kernels(int j) {
   const Exposure whole = scene_.exposure();
   const double n = count_;
-  Exposure part{j == 0 ? whole.open : whole.at(j / n), j + 1 == count_ ? whole.close : whole.at((j + 1) / n)};
-  if (still_frames_) part.open = part.close = whole.at((j + 0.5) / n);
+  const Exposure part = still_frames_ ? whole.instant_at((j + 0.5) / n) : whole.part(j / n, (j + 1) / n);
   KernelSet set = build_kernels(scene_, part);
   if (clamp_motion_)
     for (MovingKernel& kernel : set.kernels) kernel.velocity = clamped_motion(kernel);

@@ -1,6 +1,11 @@
 // The .spz format of Niantic: up to version 3 one gzip stream, since version 4 a stream of zstd per
-// attribute. Source: https://github.com/nianticlabs/spz, src/cc/load-spz.cc and README.md. Axes are right, up
-// and back, where training has right, down and forward.
+// attribute. Source: https://github.com/nianticlabs/spz, src/cc/load-spz.cc, README.md and
+// extensions/README.md.
+//
+// Its README says that axes are right, up and back, where training has right, down and forward. But its own
+// converter of PLY files leaves the axes as they are, unless told otherwise (issue 84 there), and so does
+// splat-transform, of whose files that holds to the last bit that they keep. A record of version 4 may say
+// what is so.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -265,7 +270,7 @@ Result<LoadedSplats> read_spz(const std::string& path, std::string_view bytes,
     if (!head) return named(head.error(), path, "header");
     Result<Header> header = header_of(path, *head);
     if (!header) return header.error();
-    header->up_and_back = options.spz_axes != SpzAxes::trained;
+    header->up_and_back = options.spz_axes == SpzAxes::right_up_back;
     header->unread_extensions = (header->flags & flag_extensions) != 0;
     if (header->version > 3) return Error{path, "version", "is 4, which is not packed by gzip"};
     const Result<Streams> in = unpack_gzip(path, *header, bytes.size(), gzip);

@@ -14,7 +14,8 @@ std::vector<double> list_of(const Field& field, const JsonNode& node) {
   const std::size_t least = std::max<std::size_t>(field.least, 2), most = field.numbers.size();
   const std::vector<JsonNode> elements = node.elements();
   if (elements.size() < least || elements.size() > most) {
-    const std::string either = least < most ? std::to_string(least) + " or " : "";
+    const std::string either =
+        least < most ? std::to_string(least) + (most - least > 1 ? " to " : " or ") : "";
     node.fail("expected " + either + std::to_string(most) + " numbers, found " +
               std::to_string(elements.size()));
   }

@@ -16,9 +16,9 @@
 namespace swept {
 
 /// Which way y and z of a .spz file point. By the format right, up and back, where training has right, down
-/// and forward; but the files that people have do not agree.
+/// and forward; but what converts PLY files to it leaves their axes as they are.
 enum class SpzAxes {
-  automatic,      ///< as the file says; else right_up_back of versions 1 to 3, trained of version 4
+  automatic,      ///< as a record in the file says; else trained
   trained,        ///< as they stand there
   right_up_back,  ///< y and z change sign
 };

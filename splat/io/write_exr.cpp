@@ -156,7 +156,7 @@ void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata&
     header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
     frame.insert("Z", slice_of(Imf::FLOAT, image.depth, 0, 1, image));
   }
-  for (const PixelLayer& channel : image.channels) {
+  for (const ImageChannel& channel : image.channels) {
     header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
     frame.insert(channel.name, slice_of(Imf::FLOAT, channel.values, 0, 1, image));
   }

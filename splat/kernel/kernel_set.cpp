@@ -76,6 +76,7 @@ struct Path {
   std::vector<Eigen::Vector3d> centers;                           ///< segments + 1
   std::vector<Eigen::Vector3d> middles;                           ///< segments
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  ///< segments
+  std::vector<double> times;                                      ///< segments + 1, from 0 to 1
 
   [[nodiscard]] bool still() const {
     const auto at_start = [&](const Eigen::Vector3d& c) { return c == centers.front(); };
@@ -103,12 +104,14 @@ class Builder {
     const int segments = linear_segments(scene_, object, exposure_);
     out_.most_segments = std::max(out_.most_segments, segments);
     std::vector<Instant> ends, middles;
-    for (int s = 0; s <= 2 * segments; ++s)
-      (s % 2 ? middles : ends).push_back(instant_at(scene_, object, exposure_, s / (2.0 * segments)));
+    Path path;
+    for (int s = 0; s <= segments; ++s) path.times.push_back(segment_time(exposure_, s, segments));
+    for (const double time : path.times) ends.push_back(instant_at(scene_, object, exposure_, time));
+    for (int s = 0; s < segments; ++s)
+      middles.push_back(instant_at(scene_, object, exposure_, segment_middle(exposure_, s, segments)));
     const std::size_t count = object.cloud.size();
     out_.surfels += count;
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
-    Path path;
     for (std::size_t i = 0; i < count; ++i) {
       path.centers.clear();
       path.middles.clear();
@@ -135,12 +138,16 @@ class Builder {
     const Eigen::Vector3d& c1 = path.centers[s + 1];
     const auto& [axis_u, axis_v] = path.axes[s];
     MovingKernel kernel;
-    kernel.velocity = (c1 - c0) * pieces;
+    const bool whole = pieces == 1;
+    const double begin = whole ? 0.0 : path.times[s], end = whole ? 1.0 : path.times[s + 1];
+    // While no light comes in.
+    if (!(static_cast<float>(begin) < static_cast<float>(end))) return;
+    kernel.velocity = exposure_.curve ? Eigen::Vector3d((c1 - c0) / (end - begin)) : (c1 - c0) * pieces;
     // As far as the mean of the path lies from that of its chord, by Simpson's rule.
     const Eigen::Vector3d chord = c0 + 0.5 * (c1 - c0);
     kernel.center = chord + (2.0 / 3.0) * (path.middles[s] - chord);
-    kernel.t_begin = static_cast<float>(static_cast<double>(s) / pieces);
-    kernel.t_end = static_cast<float>(static_cast<double>(s + 1) / pieces);
+    kernel.t_begin = static_cast<float>(begin);
+    kernel.t_end = static_cast<float>(end);
 
     const FilteredDisc disc = filter_disc(kernel.center, axis_u, axis_v, filter_);
     if (!(static_cast<float>(disc.weight) > 0.0f)) {

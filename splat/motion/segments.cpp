@@ -42,6 +42,7 @@ struct Deviation {
 /// One point at the ends and middles of probed_segments segments.
 struct Probe {
   std::array<Eigen::Vector3d, 2 * probed_segments + 1> center, axis_u, axis_v;
+  std::array<double, 2 * probed_segments + 1> time;  ///< of the shutter
 };
 
 Deviation deviation_of(const Probe& probe, int segments, const Projection& projection, const Film& film,
@@ -51,7 +52,10 @@ Deviation deviation_of(const Probe& probe, int segments, const Projection& proje
   for (int s = 0; s < segments; ++s) {
     const int first = 2 * s * step, middle = first + step, last = middle + step;
     const Eigen::Vector3d& truth = probe.center[middle];
-    const Eigen::Vector3d chord = 0.5 * (probe.center[first] + probe.center[last]);
+    const double length = probe.time[last] - probe.time[first];
+    if (!(length > 0.0)) continue;
+    const double share = (probe.time[middle] - probe.time[first]) / length;
+    const Eigen::Vector3d chord = probe.center[first] + share * (probe.center[last] - probe.center[first]);
     if (!(truth.z() > near)) continue;
     const double per_unit = projection.focal_px / truth.z();
     // Only what can be seen matters, give or take a frame.
@@ -71,8 +75,11 @@ Deviation deviation_of(const Probe& probe, int segments, const Projection& proje
 
 int choose_segments(const Scene& scene, const Object& object, const Exposure& exposure) {
   std::array<Instant, 2 * probed_segments + 1> instants;
-  for (int j = 0; j <= 2 * probed_segments; ++j)
-    instants[j] = instant_at(scene, object, exposure, j / (2.0 * probed_segments));
+  Probe probe;
+  for (int j = 0; j <= 2 * probed_segments; ++j) {
+    probe.time[j] = segment_time(exposure, j, 2 * probed_segments);
+    instants[j] = instant_at(scene, object, exposure, probe.time[j]);
+  }
   const Projection projection = projection_of(scene.film, scene.camera.at(instants[probed_segments].frame));
 
   std::array<Deviation, 4> by_log2{};
@@ -80,7 +87,6 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
   const std::size_t stride = (cloud.size() + sample_size - 1) / sample_size;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (stride > 1 && mixed(cloud.keys.front().pose.position[i]) % stride != 0) continue;
-    Probe probe;
     for (int j = 0; j <= 2 * probed_segments; ++j) {
       const SurfelInstant surfel = surfel_at(cloud, i, instants[j].frame);
       probe.center[j] = instants[j].to_camera(surfel.position);
@@ -107,6 +113,17 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
 }
 
 }  // namespace
+
+double segment_time(const Exposure& exposure, int s, int segments) {
+  const double time = static_cast<double>(s) / segments;
+  if (!exposure.curve || s == 0 || s == segments) return time;
+  return exposure.share_at(exposure.open + (exposure.close - exposure.open) * time);
+}
+
+double segment_middle(const Exposure& exposure, int s, int segments) {
+  if (!exposure.curve) return (2 * s + 1) / (2.0 * segments);
+  return 0.5 * (segment_time(exposure, s, segments) + segment_time(exposure, s + 1, segments));
+}
 
 bool nothing_moves(const Scene& scene, const Exposure& exposure) {
   return std::all_of(scene.objects.begin(), scene.objects.end(),

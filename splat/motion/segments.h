@@ -12,6 +12,11 @@ inline constexpr int max_chosen_segments = 64;
 /// instant.
 [[nodiscard]] bool nothing_moves(const Scene& scene, const Exposure& exposure);
 
+/// Shutter time at which segment `s` of so many begins: they are equally long in time.
+[[nodiscard]] double segment_time(const Exposure& exposure, int s, int segments);
+/// And in the middle of its light.
+[[nodiscard]] double segment_middle(const Exposure& exposure, int s, int segments);
+
 /// How many linear segments build_kernels() cuts the paths of `object` into over the exposure:
 /// Object::segments, else ImageModel::segments, else as many as keep the chords of every point's true path
 /// within 0.1 px of it on the film (and so segments within 0.07 px) and the discs' rims within 0.25 px on

@@ -1,4 +1,4 @@
-#include "abuffer/splats/splat_motion.h"
+#include "abuffer/splats/film_motion.h"
 
 #include <algorithm>
 #include <array>
@@ -76,10 +76,17 @@ void largest(std::atomic<float>& most, float value) {
   }
 }
 
+/// What few pixels exceed; but where few see anything move, a share of what they see.
+float typical(std::vector<float>& spreads) {
+  const auto few = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() * 85 / 100);
+  std::nth_element(spreads.begin(), few, spreads.end());
+  return std::max(*few, *std::max_element(spreads.begin(), spreads.end()) / 3.0f);
+}
+
 }  // namespace
 
-SplatMotion::SplatMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-                         const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
+FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+                       const SplatRow& standing, const SplatMath& math, const CellGrid& grid)
     : touched_(grid.size(), 0), spread_(grid.size(), 0.0f) {
   std::vector<std::vector<float>> spreads(sets.size());
   bool any = false;
@@ -93,12 +100,19 @@ SplatMotion::SplatMotion(const Scene& scene, const Exposure& exposure, const std
     look(scene, sets, spreads, exposure.at(share), standing, math, grid);
 }
 
-void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
-                         const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
+void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
+                        const SplatMath& math, const CellGrid& grid, std::vector<float>& spreads) {
   std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
   // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
   const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
   if (frames.empty()) frames = {exposure.open, exposure.close};
+  // Where all cells are taken for touched, a path need not be followed that closely.
+  constexpr std::size_t enough = 33;
+  if (anywhere && frames.size() > enough) {
+    frames.clear();
+    for (std::size_t i = 0; i < enough; ++i)
+      frames.push_back(exposure.at(static_cast<double>(i) / (enough - 1)));
+  }
   std::vector<SplatPose> poses;
   poses.reserve(2 * frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -173,9 +187,9 @@ void SplatMotion::follow(const Scene& scene, const Exposure& exposure, const Spl
 }
 
 /// Draws one of every few pixels with squared spreads in place of colours.
-void SplatMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
-                       const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
-                       const SplatMath& math, const CellGrid& grid) {
+void FilmMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets,
+                      const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
+                      const SplatMath& math, const CellGrid& grid) {
   std::vector<PlacedSplat> splats;
   std::vector<std::size_t> discs;
   const auto add = [&](PlacedSplat splat, float spread, bool disc) {
@@ -236,13 +250,19 @@ void SplatMotion::look(const Scene& scene, const std::vector<SplatPackets>& sets
     const auto tile = std::make_unique<SplatTile>();
     math.clear(*tile);
     math.draw({{splats.data(), splats.data()}, list.data(), list.size()}, x, y, rule, *tile);
+    std::array<std::vector<float>, cells_a_tile * cells_a_tile> of_cells;
     for (int i = 0; i < tile_floats; ++i) {
-      const int px = x + 4 * (i / 16 % 8) + i % 4, py = y + 4 * (i / 128) + i / 4 % 4;
-      const auto column = static_cast<std::size_t>(px / px_a_cell),
-                 row = static_cast<std::size_t>(py / px_a_cell);
-      if (column >= grid.columns || row >= grid.rows) continue;
+      const int px = 4 * (i / 16 % 8) + i % 4, py = 4 * (i / 128) + i / 4 % 4;
+      if ((x + px) * pitch_px < grid.film.width && (y + py) * pitch_px < grid.film.height)
+        of_cells[static_cast<std::size_t>(py / px_a_cell * cells_a_tile + px / px_a_cell)].push_back(
+            std::sqrt(tile->blocks[i / 16].red[i % 16]));
+    }
+    for (std::size_t k = 0; k < of_cells.size(); ++k) {
+      const auto column = static_cast<std::size_t>(x / px_a_cell) + k % cells_a_tile,
+                 row = static_cast<std::size_t>(y / px_a_cell) + k / cells_a_tile;
+      if (of_cells[k].empty() || column >= grid.columns || row >= grid.rows) continue;
       float& most = spread_[row * grid.columns + column];
-      most = std::max(most, std::sqrt(tile->blocks[i / 16].red[i % 16]));
+      most = std::max(most, typical(of_cells[k]));
     }
   });
 }

@@ -1,6 +1,6 @@
 // How far splats move across the film during an exposure, and how many instants that takes.
 //
-// Source: model section 13. A pixel's signal while a splat passes by is a bell whose width is the splat's
+// Source: model section 14. A pixel's signal while a splat passes by is a bell whose width is the splat's
 // own: N stills give its mean to any accuracy from about N = r/2 on, r being its motion in its standard
 // deviations.
 #pragma once
@@ -15,16 +15,16 @@
 
 namespace swept {
 
-class SplatMotion {
+class FilmMotion {
  public:
   /// Follows every splat of `sets` that moves. `standing` are placed. Runs in the caller's task arena.
-  SplatMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-              const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
+  FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+             const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
 
   /// Whether anything moves in a cell at any time of the exposure, perhaps.
   [[nodiscard]] bool moves(std::size_t cell) const { return touched_[cell] != 0; }
-  /// Most of what its pixels see at the exposure's ends and in its middle: √(Σ α T r²), r the motion of a
-  /// splat in its own standard deviations, over every fourth pixel each way.
+  /// What few of its pixels exceed at the exposure's ends and in its middle: √(Σ α T r²), r the motion of a
+  /// splat in its own standard deviations. Of every fourth pixel each way.
   [[nodiscard]] float spread(std::size_t cell) const { return spread_[cell]; }
   /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
   [[nodiscard]] bool jumps() const { return jumps_; }

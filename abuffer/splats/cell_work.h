@@ -1,0 +1,81 @@
+// What a frame of splats knows of one of its cells while instants are added.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "abuffer/resolve/sample_plan.h"
+#include "abuffer/splats/splat_cell.h"
+#include "abuffer/splats/splat_estimate.h"
+
+namespace swept {
+
+/// Instants are doubled at most to so many.
+inline constexpr int most_splat_instants = 1 << 14;
+
+/// Shutter time numerator / denominator.
+struct RoundInstant {
+  int numerator, denominator;
+
+  [[nodiscard]] double time() const { return static_cast<double>(numerator) / denominator; }
+  [[nodiscard]] bool operator<(const RoundInstant& other) const {
+    return std::int64_t{numerator} * other.denominator < std::int64_t{other.numerator} * denominator;
+  }
+  [[nodiscard]] bool operator==(const RoundInstant& other) const {
+    return !(*this < other) && !(other < *this);
+  }
+};
+
+/// A cell of the film's window on its way to the image. Its instants are N midpoints of strata of the
+/// exposure; doubled, those half-way between and at both ends too, at half weight there: the trapezoid's
+/// rule; doubled again, those half-way between.
+struct CellWork {
+  std::size_t index = 0;  ///< in the grid
+  Cell cell;
+  int count = 1;  ///< of the rule, after this round
+  bool moves = false;
+  bool adaptive = false;   ///< its number of instants is chosen
+  bool estimated = false;  ///< its error is
+  bool done = false;       ///< it is in the image
+  bool waiting = false;    ///< for whether there is time to double it
+  int doublings = 0;
+  int instants = 0;  ///< looked at in all
+  int next = 0;      ///< of this round
+  double expected_squares = 0.0;
+  double seconds = 0.0;                ///< that the last round took
+  std::unique_ptr<CellOfSplats> sums;  ///< while it is not done
+  std::unique_ptr<SplatEstimate> estimate;
+
+  [[nodiscard]] int round_size() const {
+    return done || waiting ? 0 : doublings == 0 ? count : doublings == 1 ? count / 2 + 1 : count / 2;
+  }
+  /// In the order of time.
+  [[nodiscard]] RoundInstant instant(int i) const {
+    if (doublings == 0) return {2 * i + 1, 2 * count};
+    return doublings == 1 ? RoundInstant{i, count / 2} : RoundInstant{2 * i + 1, count};
+  }
+  [[nodiscard]] InstantWeights weights(int i) const {
+    if (!estimated) return {};
+    if (doublings == 0) return estimating_weights(i, count);
+    const float w = doublings == 1 && (i == 0 || i == count / 2) ? 0.5f : 1.0f;
+    return {w, -w, 0.0f, 0.0f};
+  }
+
+  void double_instants() {
+    sums->alternate_from_sums();
+    count *= 2;
+    ++doublings;
+    waiting = false;
+  }
+  /// Squared error that it may lose for a second's work; 0 where it is as good as a picture can show.
+  [[nodiscard]] double gain() const {
+    constexpr double unseen = 1e-12;  // of the mean square: 120 dB
+    if (!waiting || count >= most_splat_instants ||
+        expected_squares <= unseen * 3.0 * cell.width * cell.height)
+      return 0.0;
+    return expected_squares / std::max(seconds, 1e-9);
+  }
+};
+
+}  // namespace swept

@@ -1,0 +1,31 @@
+// How much light the shutter lets in over the exposure, and the time that this makes of shutter time.
+//
+// With a(τ) the rate, ∫a = 1, and s(τ) = ∫₀^τ a the share of the light that is in by τ, a pixel is
+// ∫a(τ)C(τ)dτ = ∫C(τ(s))ds: a curve is a warp of time, and whatever is averaged or integrated evenly over
+// shares of the light has the curve's own weights. Source: model section 1; Heinzle et al. 2010 for the
+// Gaussian.
+#pragma once
+
+#include <vector>
+
+namespace swept {
+
+struct Shutter;
+
+class ShutterCurve {
+ public:
+  /// Precondition: the shutter is valid, and its shape no box, which needs no curve.
+  explicit ShutterCurve(const Shutter& shutter);
+
+  /// Share of the light that is in at `time`, both in [0, 1].
+  [[nodiscard]] double share(double time) const;
+  /// The time by which that share is in; of several, where nothing comes in between, the first.
+  [[nodiscard]] double time(double share) const;
+
+ private:
+  // A Gaussian exp(−δ(2τ − 1)²), where delta_ > 0; else lines between rates at times.
+  double delta_ = 0.0;
+  std::vector<double> times_, rates_, shares_;
+};
+
+}  // namespace swept
