@@ -150,10 +150,10 @@ TEST_F(StudyReport, BeginsWithAVerdictInTwoSentences) {
       {"id", "e"}, {"method", "e"}, {"status", "failed"}, {"error", "no device"}};
   ASSERT_NO_FATAL_FAILURE(open());
   if (IsSkipped()) return;
-  EXPECT_EQ(
-      evaluate("document.querySelector('#head .verdict').textContent"),
-      "Method A reaches 60 dB first on 2 of 2 scenes, in 2.00 s (geometric mean of the 2 on which it does). "
-      "Next comes Method B, which takes 4.00 times as long (on the 2 that both reach).");
+  EXPECT_EQ(evaluate("document.querySelector('#head .verdict').textContent"),
+            "Method A reaches 60 dB on 2 of 2 scenes, in 2.00 s in the geometric mean, and on 2 of them "
+            "before all others. "
+            "Next comes Method B, which takes 4.00 times as long (on the 2 that both reach).");
   // Methods without results say why.
   const json reasons = evaluate(
       "[...document.querySelectorAll('#methods dd .bad')].map((reason) => reason.textContent.trim())");

@@ -15,7 +15,7 @@ function fastestOf(scene, goal) {
 
 const geometricMean = (values) => Math.exp(values.reduce((sum, v) => sum + Math.log(v), 0) / values.length);
 
-/** The method that reaches an accuracy first on most scenes, and what the next one takes. */
+/** The method that reaches an accuracy on most scenes, of these the fastest, and what the next one takes. */
 function verdictOf(scenes, families) {
   const goal = goals.find(
       (wanted) => 2 * scenes.filter((scene) => fastestOf(scene, wanted).size > 1).length >= Math.max(1, scenes.length));
@@ -23,24 +23,23 @@ function verdictOf(scenes, families) {
     return 'No two methods reach the same accuracy on half of the scenes, so that none is called the fastest. ' +
         'What each reached, and in what time, is in the plots and tables.';
   const times = scenes.map((scene) => fastestOf(scene, goal));
-  const wins = new Map();
-  for (const least of times) {
-    const [first] = [...least].sort((a, b) => a[1] - b[1]);
-    if (first) wins.set(first[0], (wins.get(first[0]) ?? 0) + 1);
-  }
-  const [[best, won]] = [...wins].sort((a, b) => b[1] - a[1]);
-  const own = times.filter((least) => least.has(best)).map((least) => least.get(best));
+  const reached = [...families.keys()]
+                      .map((id) => ({id, own: times.filter((least) => least.has(id)).map((least) => least.get(id))}))
+                      .filter(({own}) => own.length > 0);
+  reached.sort((a, b) => b.own.length - a.own.length || geometricMean(a.own) - geometricMean(b.own));
+  const {id: best, own} = reached[0];
+  const first = times.filter((least) => least.has(best) && least.get(best) === Math.min(...least.values())).length;
   const name = (id) => families.get(id).name;
-  const first = `${name(best)} reaches ${goal} dB first on ${whole(won)} of ${plural(scenes.length, 'scene')}, in ${
-      duration(geometricMean(own))} (geometric mean of the ${whole(own.length)} on which it does).`;
+  const opening = `${name(best)} reaches ${goal} dB on ${whole(own.length)} of ${plural(scenes.length, 'scene')}, in ${
+      duration(geometricMean(own))} in the geometric mean, and on ${whole(first)} of them before all others.`;
   const others = [...families.keys()].filter((id) => id !== best).flatMap((id) => {
     const ratios = times.filter((least) => least.has(best) && least.has(id))
                        .map((least) => least.get(id) / least.get(best));
     return ratios.length > 0 ? [{id, ratio: geometricMean(ratios), count: ratios.length}] : [];
   });
-  if (others.length === 0) return `${first} No other method reaches that where it does.`;
+  if (others.length === 0) return `${opening} No other method reaches that where it does.`;
   others.sort((a, b) => a.ratio - b.ratio);
   const {id, ratio, count} = others[0];
-  return `${first} Next comes ${name(id)}, which takes ${short(ratio)} times as long (on the ${
+  return `${opening} Next comes ${name(id)}, which takes ${short(ratio)} times as long (on the ${
       whole(count)} that both reach).`;
 }
