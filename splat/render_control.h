@@ -12,11 +12,11 @@ namespace swept {
 struct RenderControl {
   int threads = 0;  ///< at most so many, [0, 1024]; 0: as many as the machine has
   std::size_t max_bytes =
-      0;                 ///< of memory for points as the renderer keeps them, beyond the scene; 0: no limit
-  std::stop_token stop;  ///< asked for now and then; a stopped render returns an error
+      0;  ///< of memory for points as the renderer keeps them, beyond the scene; 0: no limit
+  std::stop_token stop = {};  ///< asked for now and then; a stopped render returns an error
   /// Called with the share that is done, in [0, 1] and never falling, by one thread at a time. It must not
   /// throw.
-  std::function<void(double)> progress;
+  std::function<void(double)> progress = {};
 
   [[nodiscard]] Status validate() const {
     if (threads < 0 || threads > 1024) return Error{"", "threads", "must be in [0, 1024]"};
