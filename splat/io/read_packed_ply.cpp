@@ -59,7 +59,8 @@ class PackedPlyReader {
                   std::span<std::size_t> found) {
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto property = element.find(names[k]);
-      if (!property) return Error{path_, names[k], "no such property"};
+      if (!property)
+        return Error{path_, names[k], "no such property, which splats that PlayCanvas packed have"};
       found[k] = *property;
     }
     return Done{};
