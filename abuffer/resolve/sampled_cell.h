@@ -83,6 +83,8 @@ class SampledCell {
     std::size_t general_begin = 0, general_end = 0;
     bool placed = false;
   };
+  /// Of a disc's index: it is one of general_.
+  static constexpr std::uint32_t general_flag = 1u << 31;
   struct Layer {
     float depth, weight;
     std::uint32_t disc, order;  ///< order: of the points
