@@ -59,7 +59,10 @@ std::vector<Case> cases() {
       {"opacity[1]", [](PointSet& s) { s.opacity[1] = 1.5f; }},
       {"opacity[2]", [](PointSet& s) { s.opacity[2] = kNaN; }},
       {"velocity", [](PointSet& s) { s.velocity.resize(3); }},
-      {"id", [](PointSet& s) { s.id = {1, 2, 3}; }},
+      {"id",
+       [](PointSet& s) {
+         s.id = {1, 2, 3};
+       }},
       {"velocity[3]", [](PointSet& s) { s.velocity[3].y() = kInfinity; }},
       {"triangle[1]", [](PointSet& s) { s.triangle[1][2] = 4; }},
       {"triangle[0]", [](PointSet& s) { s.triangle[0][0] = 0xffffffff; }},

@@ -155,8 +155,7 @@ Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
 Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                   const RenderControl& control) {
   if (Status status = options.validate(); !status) return status.error();
-  if (!refuse_splats(scene, "this"))
-    return render_splat_reference(scene, {options.samples, control.threads});
+  if (!refuse_splats(scene, "this")) return render_splat_reference(scene, {options.samples, control.threads});
   return render_valid(scene, options, control, [&](const auto&...) {
     if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options, control);
     Stopwatch watch;
