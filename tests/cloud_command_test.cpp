@@ -24,7 +24,6 @@ using test::ply;
 using test::put;
 using test::run_command;
 using test::sphere;
-using test::TemporaryFolder;
 using CloudCommand = test::CloudCommandFolder;
 
 TEST_F(CloudCommand, DrawsVelocitiesFromBlender) {

@@ -1,6 +1,7 @@
 #include "tools/progress.h"
 
 #include <unistd.h>
+#include <cmath>
 
 #include <algorithm>
 
@@ -10,7 +11,7 @@
 namespace swept {
 
 std::string clock_text(double seconds) {
-  const auto whole = static_cast<long long>(seconds + 0.5);
+  const auto whole = std::llround(seconds);
   if (whole >= 3600) return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
