@@ -116,7 +116,7 @@ TEST(ExrCamera, ReprojectsThroughALensOffTheMiddle) {
     const float window = header.screenWindowWidth();
     const auto film_x = static_cast<float>(width), film_y = static_cast<float>(height);
     const float window_y = window / header.pixelAspectRatio() * film_y / film_x;
-    const Imath::V2f center = header.screenWindowCenter();
+    const Imath::V2f& center = header.screenWindowCenter();
     EXPECT_NEAR(static_cast<double>((eye.x / eye.z - center.x) / window + 0.5f) * width, x, 0.001);
     EXPECT_NEAR(static_cast<double>(0.5f - (eye.y / eye.z - center.y) / window_y) * height, y, 0.001);
     const Result<Image> image = read_exr(image_path);
