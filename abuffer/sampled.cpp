@@ -31,9 +31,6 @@ namespace {
 /// The fewer cells there are, the less can be relied on that.
 [[nodiscard]] double slack(double moving_cells) { return 1.0 + 2.5 * moving_cells / (moving_cells + 24.0); }
 
-/// Instants are doubled at most to so many.
-constexpr int most_chosen = 1 << 14;
-
 /// A cell as far as it has come.
 struct CellProgress {
   int instants = 0;  ///< that it was looked at
@@ -137,7 +134,8 @@ class Renderer {
                                  ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
                                  : std::numeric_limits<double>::infinity();
       const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
-      while (cell.squares() > allowed && cell.count < most_chosen) double_instants(cell, renderer, table);
+      while (cell.squares() > allowed && cell.count < most_chosen_instants)
+        double_instants(cell, renderer, table);
     }
     finish_cell(i, renderer);
   }
@@ -233,7 +231,7 @@ class Renderer {
     constexpr double unseen = 1e-12;  // of the mean square: 120 dB
     const CellProgress& cell = progress_[i];
     const Cell area = bins_->cell(window_cells_[i]);
-    if (!cell.estimate || cell.count >= most_chosen ||
+    if (!cell.estimate || cell.count >= most_chosen_instants ||
         cell.squares() <= unseen * 3.0 * area.width * area.height)
       return 0.0;
     return cell.squares() / std::max(cell.step_seconds, 1e-9);
@@ -305,12 +303,7 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (options_.samples == 0 || options_.error_channel) {
-      const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
-      s.count("expected_rmse", rmse);
-      s.count("expected_psnr_db", -20.0 * std::log10(rmse));
-      s.count("expected_worst_cell_rmse", std::sqrt(worst));
-    }
+    if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
     s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                       : "motion blur: skipped, nothing moves during the exposure");
     s.effect(std::string("arithmetic: ") + math.name);

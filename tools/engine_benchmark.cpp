@@ -8,7 +8,6 @@
 // is reached.
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -26,17 +25,12 @@
 #include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
+#include "tools/cpu_seconds.h"
 #include "tools/engine_scenes.h"
 #include "tools/study/raycast.h"
 
 namespace swept {
 namespace {
-
-double cpu_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 struct Timed {
   double seconds = 0.0, psnr_db = 0.0, expected_db = 0.0, instants = 0.0, prepared = 0.0;

@@ -5,7 +5,6 @@
 // The file may be a scene, or splats alone, which are framed as `swept render` frames them; the camera then
 // passes them sideways. Times are CPU seconds of the process, all threads together.
 #include <cstdio>
-#include <ctime>
 #include <string>
 
 #include <sys/resource.h>
@@ -20,15 +19,10 @@
 #include "splat/compare/metrics.h"
 #include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
+#include "tools/cpu_seconds.h"
 
 namespace swept {
 namespace {
-
-double cpu_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 struct Arguments {
   std::string file;

@@ -40,7 +40,15 @@ InstantWeights estimating_weights(int i, int count) {
   return weights;
 }
 
-ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count) {
+void count_expected_error(double squares, double px, double worst_cell, Statistics& statistics) {
+  const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
+  statistics.count("expected_rmse", rmse);
+  statistics.count("expected_psnr_db", -20.0 * std::log10(rmse));
+  statistics.count("expected_worst_cell_rmse", std::sqrt(worst_cell));
+}
+
+ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count, const LeastFall& least_fall)
+    : least_(least_fall) {
   const double scale = 1.0 / (double{1.0} * count * count);
   alternating_ = squares.alternating * scale;
   grey_ = squares.grey * scale;
@@ -61,9 +69,7 @@ void ErrorEstimate::extrapolate(double falls_by, int count) {
   // Of a jump all multiples of N count, Σ1/k² = π²/6, where the sums see the odd ones of N/2 and N/4, π²/8
   // each.
   constexpr double multiples = 4.0 / 3.0;
-  // What is smooth falls fast until edges lead, which fall by 4; nothing seen so far tells when, and few
-  // instants least.
-  const double least_fall = count < 12 ? 0.25 : 0.15;
+  const double least_fall = count < least_.few ? least_.of_few : least_.of;
   const double share = multiples * std::clamp(falls_by, least_fall, 1.0);
   squares_ = alternating_ * share;
   per_alternating_ = share / (double{1.0} * count * count);

@@ -8,14 +8,21 @@
 
 #include "abuffer/resolve/sampled_cell.h"
 #include "abuffer/tiles/cells.h"
+#include "splat/rendered.h"
 
 namespace swept {
+
+/// Instants are doubled at most to so many.
+inline constexpr int most_chosen_instants = 1 << 14;
 
 /// Instants a cell begins with, of a ladder of numbers, for motion across it and the frame's error in dB.
 [[nodiscard]] int first_instants(float motion_px, double max_error_db);
 
 /// Motion that stands for all of a cell's.
 [[nodiscard]] float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets);
+
+/// What is expected of an image: `squares` over its `px` pixels and R, G, B, and the mean of the worst cell.
+void count_expected_error(double squares, double px, double worst_cell, Statistics& statistics);
 
 /// Of the i-th of so many midpoints. Half weight at the ends leaves out of the alternating sums that the
 /// signal does not end as it began, which the midpoint rule does not mind.
@@ -29,7 +36,17 @@ namespace swept {
 /// F(N/4), and the error √2 F(N).
 class ErrorEstimate {
  public:
-  ErrorEstimate(const SampledCell::Squares& squares, int count);
+  /// The least by which the squares are taken to fall, however fast they fell so far: what is smooth falls
+  /// fast until jumps lead, which fall by 4; nothing seen tells when, and few instants least.
+  struct LeastFall {
+    int few;            ///< fewer instants than this
+    double of_few, of;  ///< fall by so much, others by that
+  };
+  static constexpr LeastFall of_edges = {12, 0.25, 0.15};
+  /// Passing splats are bells, and fall faster and faster; those that change their order jump.
+  static constexpr LeastFall of_splats = {4, 0.2, 0.15};
+
+  ErrorEstimate(const SampledCell::Squares& squares, int count, const LeastFall& least = of_edges);
   /// After the instants were doubled to `count`, and the alternating sums with them.
   void refine(const SampledCell::Squares& squares, int count);
 
@@ -41,6 +58,7 @@ class ErrorEstimate {
  private:
   void extrapolate(double falls_by, int count);
 
+  LeastFall least_;
   double alternating_ = 0.0, grey_ = 0.0, squares_ = 0.0, per_alternating_ = 0.0;
 };
 

@@ -7,12 +7,8 @@
 
 #include "abuffer/resolve/sample_plan.h"
 #include "abuffer/splats/splat_cell.h"
-#include "abuffer/splats/splat_estimate.h"
 
 namespace swept {
-
-/// Instants are doubled at most to so many.
-inline constexpr int most_splat_instants = 1 << 14;
 
 /// Shutter time numerator / denominator.
 struct RoundInstant {
@@ -45,7 +41,7 @@ struct CellWork {
   double expected_squares = 0.0;
   double seconds = 0.0;                ///< that the last round took
   std::unique_ptr<CellOfSplats> sums;  ///< while it is not done
-  std::unique_ptr<SplatEstimate> estimate;
+  std::unique_ptr<ErrorEstimate> estimate;
 
   [[nodiscard]] int round_size() const {
     return done || waiting ? 0 : doublings == 0 ? count : doublings == 1 ? count / 2 + 1 : count / 2;
@@ -71,7 +67,7 @@ struct CellWork {
   /// Squared error that it may lose for a second's work; 0 where it is as good as a picture can show.
   [[nodiscard]] double gain() const {
     constexpr double unseen = 1e-12;  // of the mean square: 120 dB
-    if (!waiting || count >= most_splat_instants ||
+    if (!waiting || count >= most_chosen_instants ||
         expected_squares <= unseen * 3.0 * cell.width * cell.height)
       return 0.0;
     return expected_squares / std::max(seconds, 1e-9);

@@ -48,8 +48,8 @@ SplatRule splat_rule(const Scene& scene) {
   return rule;
 }
 
-SplatSquares CellOfSplats::squares(const Cell& cell) const {
-  SplatSquares squares;
+SampledCell::Squares CellOfSplats::squares(const Cell& cell) const {
+  SampledCell::Squares squares;
   for_each_pixel(cell, [&](std::size_t tile, std::size_t i, int, int) {
     const SplatSums& sums = tiles[tile];
     const double red = double{sums.alternating_red[i]}, green = double{sums.alternating_green[i]},

@@ -13,18 +13,11 @@
 
 namespace swept {
 
-/// Σ over pixels of squared sums, as ErrorEstimate takes them.
-struct SplatSquares {
-  double alternating = 0.0;  ///< of R, G and B
-  double grey = 0.0;         ///< of their sum
-  double quarter = 0.0;      ///< of the sums of every other instant, even and odd, of R + G + B
-};
-
 /// What a cell's tiles add up to.
 struct CellOfSplats {
   SplatSums tiles[tiles_a_cell] = {};
 
-  [[nodiscard]] SplatSquares squares(const Cell& cell) const;
+  [[nodiscard]] SampledCell::Squares squares(const Cell& cell) const;
   /// Makes the alternating sums those of all instants so far.
   void alternate_from_sums();
   /// The mean of instants of `total` weight, into `image`.

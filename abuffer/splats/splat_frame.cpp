@@ -292,9 +292,9 @@ void SplatFrame::finish(CellWork& work) {
 /// Stores a cell that is good enough, and doubles one that is not.
 void SplatFrame::finish_round(CellWork& work) {
   if (work.estimated && work.count > 1) {
-    const SplatSquares squares = work.sums->squares(work.cell);
+    const SampledCell::Squares squares = work.sums->squares(work.cell);
     if (work.estimate == nullptr)
-      work.estimate = std::make_unique<SplatEstimate>(squares, work.count);
+      work.estimate = std::make_unique<ErrorEstimate>(squares, work.count, ErrorEstimate::of_splats);
     else
       work.estimate->refine(squares, work.count);
     work.expected_squares = work.estimate->squares();
@@ -307,7 +307,7 @@ void SplatFrame::finish_round(CellWork& work) {
   const double of_cell = options_.max_cell_error_db > 0.0 ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
                                                           : std::numeric_limits<double>::infinity();
   const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * work.cell.width * work.cell.height;
-  if (work.expected_squares <= allowed || work.count >= most_splat_instants)
+  if (work.expected_squares <= allowed || work.count >= most_chosen_instants)
     finish(work);
   else
     work.double_instants();
@@ -375,12 +375,7 @@ void SplatFrame::describe(Statistics& s) const {
     s.count("fastest_splat_px", double{motion_->fastest_px()});
     s.count("fastest_splat_deviations", double{motion_->fastest_spread()});
   }
-  if (options_.samples == 0 || options_.error_channel) {
-    const double rmse = std::sqrt(squares / (3.0 * std::max(1.0, px)));
-    s.count("expected_rmse", rmse);
-    s.count("expected_psnr_db", -20.0 * std::log10(rmse));
-    s.count("expected_worst_cell_rmse", std::sqrt(worst));
-  }
+  if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
   s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                     : "motion blur: skipped, nothing moves during the exposure");
   s.effect(rule_.linear ? "splats blended in linear light" : "splats blended in values of sRGB");
