@@ -292,6 +292,7 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
   if (Status status = scene.validate(); !status) return status.error();
   if (!choice.any()) return std::vector<ImageChannel>();
   if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
+  if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
   try {
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);

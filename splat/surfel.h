@@ -1,7 +1,9 @@
 // Surfels: oriented elliptical Gaussian discs, as structure of arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,9 @@
 #include "splat/result.h"
 
 namespace swept {
+
+/// Indices of three points, counter-clockwise as seen from the front.
+using Triangle = std::array<std::uint32_t, 3>;
 
 /// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
 inline constexpr float most_color = 1e30f;

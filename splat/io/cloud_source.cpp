@@ -127,6 +127,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
         color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);
+  loaded.triangles = std::move(set.triangle);
   take_velocity(set, source, loaded);
   return loaded;
 }

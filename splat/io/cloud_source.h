@@ -47,6 +47,7 @@ struct CloudSource {
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
+  std::vector<Triangle> triangles;  ///< of meshes, between points of the cloud
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };
