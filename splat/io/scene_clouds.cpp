@@ -125,6 +125,7 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   }
   Result<LoadedCloud> loaded = load(source, generator);
   if (!loaded) return loaded.error();
+  if (source.sideless) loaded->cloud.oriented.clear();
   scene_.objects[i].cloud = std::move(loaded->cloud);
   note(std::move(loaded->notes), loaded->report);
   return Done{};
