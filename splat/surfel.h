@@ -48,8 +48,12 @@ struct SurfelCloud {
   std::vector<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
   std::vector<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
   std::vector<float> opacity;             ///< [0, 1]; empty: 1
+  /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
+  /// 0: it may point either way. Empty: 0 for all.
+  std::vector<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
+  [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
   [[nodiscard]] bool moves() const { return keys.size() > 1 || !velocity.empty(); }
 
   /// Counts agree, keys increase, every number is finite. The error's field names the array and the

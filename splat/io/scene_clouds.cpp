@@ -128,6 +128,7 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   }
   Result<LoadedCloud> loaded = load(source, generator);
   if (!loaded) return loaded.error();
+  if (source.sideless) loaded->cloud.oriented.clear();
   scene_.objects[i].cloud = std::move(loaded->cloud);
   if (source.draw == DrawAs::triangles) {
     if (loaded->triangles.empty())

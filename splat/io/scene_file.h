@@ -74,7 +74,8 @@ struct ObjectSource {
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
   bool color_by_normals = false;                              ///< the same, from each disc's normal
   Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
-  std::optional<double> radius;                               ///< object units; discs become round
+  bool sideless = false;         ///< normals may point either way: no disc is oriented
+  std::optional<double> radius;  ///< object units; discs become round
   double radius_scale = 1.0;
 };
 
