@@ -52,8 +52,9 @@ class SplatFrame {
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
     out.image = blank_image(scene_.film);
     image_ = &out.image;
-    const SampledMath& math = sampled_maths().first[implementation_of(options_, sampled_maths().count)];
-    surfaces_ = std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing, math, grid_,
+    const std::size_t which = implementation_of(options_, sampled_maths().count);
+    surfaces_ = std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing,
+                                               sampled_maths().first[which], mesh_maths().first[which], grid_,
                                                wanted_of_window());
     out.statistics.time("packets", watch.lap());
     if (options_.error_channel)
