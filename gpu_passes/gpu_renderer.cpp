@@ -12,6 +12,7 @@
 #include "gpu_passes/six_pass/pass_runner.h"
 #include "gpu_passes/six_pass/subframes.h"
 #include "splat/stopwatch.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -98,16 +99,20 @@ Status GpuRenderOptions::validate() const {
 }
 
 Status check_gpu_scene(const Scene& scene) {
-  if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const std::vector<float>& opacity = scene.objects[i].cloud.opacity;
-    for (const float value : opacity)
-      if (value < 1.0f)
-        return Error{"", "/objects/" + std::to_string(i),
-                     "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
-                     "A-buffer"};
-  }
-  return Done{};
+  return without_throwing("to check the scene", [&]() -> Status {
+    if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+      const Column<float>& opacity = scene.objects[i].cloud.opacity;
+      for (const float value : opacity)
+        if (value < 1.0f)
+          return Error{
+              "", "/objects/" + std::to_string(i),
+              "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
+              "A-buffer",
+              ErrorKind::unsupported};
+    }
+    return Done{};
+  });
 }
 
 class GpuRenderer::Implementation {
@@ -222,9 +227,11 @@ class GpuRenderer::Implementation {
 };
 
 Result<GpuRenderer> GpuRenderer::create(const GpuOptions& options) {
-  Result<std::unique_ptr<Implementation>> made = Implementation::create(options);
-  if (!made) return made.error();
-  return GpuRenderer(std::move(*made));
+  return without_throwing("for the GPU", [&]() -> Result<GpuRenderer> {
+    Result<std::unique_ptr<Implementation>> made = Implementation::create(options);
+    if (!made) return made.error();
+    return GpuRenderer(std::move(*made));
+  });
 }
 
 GpuRenderer::GpuRenderer(std::unique_ptr<Implementation> implementation)
@@ -239,22 +246,17 @@ std::size_t GpuRenderer::pending() const { return implementation_->pending(); }
 std::size_t GpuRenderer::most_pending() const { return implementation_->most_pending(); }
 
 Status GpuRenderer::submit(const Scene& scene, const GpuRenderOptions& options) {
-  if (Status status = options.validate(); !status) return status;
-  if (Status status = scene.validate(); !status) return status;
-  if (Status status = check_gpu_scene(scene); !status) return status;
-  try {
+  return without_throwing("to render the frame", [&]() -> Status {
+    if (Status status = options.validate(); !status) return status;
+    if (Status status = scene.validate(); !status) return status;
+    if (Status status = check_gpu_scene(scene); !status) return status;
     return implementation_->submit(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
-  }
+  });
 }
 
 Result<Rendered> GpuRenderer::collect() {
-  try {
-    return implementation_->collect();
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to read the frame back"};
-  }
+  return without_throwing("to read the frame back",
+                          [&]() -> Result<Rendered> { return implementation_->collect(); });
 }
 
 Result<Rendered> GpuRenderer::render(const Scene& scene, const GpuRenderOptions& options) {

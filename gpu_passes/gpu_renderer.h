@@ -28,11 +28,12 @@
 #include <string>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct GpuDevice {
   std::string id;  ///< index of an EGL device, or "surfaceless"

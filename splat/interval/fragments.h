@@ -9,9 +9,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/interval/ticks.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Linear, premultiplied RGBA, and the depth tolerance that travels with it: what fragments of one kernel
 /// share.
