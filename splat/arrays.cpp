@@ -134,6 +134,7 @@ Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
   if (Status status = check_count("opacity", arrays.opacity, points); !status) return status.error();
   cloud.color = column_of(arrays.color);
   cloud.opacity = column_of(arrays.opacity);
+  if (arrays.oriented) cloud.oriented.assign(points, 1);
   if (Status status = cloud.validate(); !status) return status.error();
   return cloud;
 }

@@ -28,6 +28,8 @@ struct SurfelArrays {
   double frame = 0.0;              ///< when points are at `position`
   Strided<Eigen::Vector3f> color;  ///< viewed; linear Rec.709; none: white
   Strided<float> opacity;          ///< viewed; [0, 1]; none: 1
+  /// a₁ × a₂, or the normal, is known to point outside: SurfelCloud::oriented of all.
+  bool oriented = false;
 };
 
 /// Gaussian splats as someone else keeps them: see SplatCloud for what they mean.

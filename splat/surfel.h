@@ -1,7 +1,9 @@
 // Surfels: oriented elliptical Gaussian discs, as structure of arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,9 @@
 #include "splat/result.h"
 
 namespace SWEPT_API swept {
+
+/// Indices of three points, counter-clockwise as seen from the front.
+using Triangle = std::array<std::uint32_t, 3>;
 
 /// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
 inline constexpr float most_color = 1e30f;
@@ -46,8 +51,12 @@ struct SurfelCloud {
   Column<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
   Column<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
   Column<float> opacity;             ///< [0, 1]; empty: 1
+  /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
+  /// 0: it may point either way. Empty: 0 for all.
+  Column<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
+  [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
   [[nodiscard]] bool moves() const { return keys.size() > 1 || !velocity.empty(); }
 
   /// Counts agree, keys increase, every number is finite. The error's field names the array and the

@@ -261,6 +261,7 @@ Ticks PixelSweep::longest_step(float rate) {
 /// Whether the front is all that is seen over a piece, and its sums tell how much.
 PixelSweep::Front PixelSweep::kind_of(FrontSum& front, Ticks end) const {
   if (front.settled_until < end) return Front::unsettled;
+  if (front.mixed) return Front::other;
   // Nowhere clamped, so that its sums are its light.
   if (!model_.hard() && front.peaks <= model_.edge_weight()) return front.behind ? Front::other : Front::thin;
   const float weight = front.mean.weight;

@@ -27,6 +27,7 @@ enum MemberField : std::size_t {
   member_alpha,
   member_t_end,  ///< Ticks, by their bits
   member_jump,   ///< a bound of ρ where the fragment begins and where it ends
+  member_side,   ///< Side, by its bits
   member_fields
 };
 
@@ -69,6 +70,7 @@ struct FrontSum {
   float margin = 0.0f;      ///< twice the largest tolerance
   bool opaque = false;      ///< for the caller to find out
   bool behind = false;      ///< something lies behind the front
+  bool mixed = false;       ///< its members show both sides, so that it is not one surface
   Ticks changes_at = 0;     ///< until then one member stays the nearest
   Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
 };

@@ -43,6 +43,7 @@ Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points) {
     }
     std::vector<double> radii(points.radius.begin(), points.radius.end());
 
+    surfels.oriented = true;
     std::optional<Neighbourhood> neighbourhood;
     if (radii.empty() || !surfels.unoriented.empty()) neighbourhood.emplace(points.position);
     if (radii.empty()) {

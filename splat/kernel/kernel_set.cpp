@@ -26,11 +26,12 @@ std::uint64_t every_third_bit(std::uint64_t v) {
 
 bool content_less(const MovingKernel& a, const MovingKernel& b) {
   const auto content = [](const MovingKernel& k) {
-    return std::array<double, 24>{
-        k.center.x(),      k.center.y(), k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
-        k.axis_u.x(),      k.axis_u.y(), k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
-        k.facing.x(),      k.facing.y(), k.facing.z(), k.t_begin,      k.t_end,        k.weight,
-        k.depth_tolerance, k.color.x(),  k.color.y(),  k.color.z(),    k.color.w(),    0.0};
+    return std::array<double, 27>{
+        k.center.x(),      k.center.y(),  k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
+        k.axis_u.x(),      k.axis_u.y(),  k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
+        k.facing.x(),      k.facing.y(),  k.facing.z(), k.t_begin,      k.t_end,        k.weight,
+        k.depth_tolerance, k.color.x(),   k.color.y(),  k.color.z(),    k.color.w(),    k.outside.x(),
+        k.outside.y(),     k.outside.z(), 0.0};
   };
   return content(a) < content(b);
 }
@@ -109,7 +110,7 @@ class Builder {
     for (const double time : path.times) ends.push_back(instant_at(scene_, object, exposure_, time));
     for (int s = 0; s < segments; ++s)
       middles.push_back(instant_at(scene_, object, exposure_, segment_middle(exposure_, s, segments)));
-    const std::size_t count = object.cloud.size();
+    const std::size_t count = object.discs();
     out_.surfels += count;
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
     for (std::size_t i = 0; i < count; ++i) {
@@ -172,7 +173,12 @@ class Builder {
       return;
     }
     // Normalised before it becomes a float: the product of two tiny axes would underflow.
-    if (!object.two_sided) kernel.facing = (side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    const bool oriented = object.cloud.is_oriented(i);
+    if (!object.two_sided || oriented) {
+      const Eigen::Vector3f outside = (side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+      if (!object.two_sided) kernel.facing = outside;
+      if (oriented) kernel.outside = outside;
+    }
     const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
     kernel.color.head<3>() =
         opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);

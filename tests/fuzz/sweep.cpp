@@ -111,13 +111,18 @@ Instant instant_at(const Pixel& pixel, const std::vector<std::size_t>& active, d
     discs[k].tolerance = shade.depth_tolerance;
     discs[k].color = Eigen::Vector4f(shade.rgba).cast<double>();
     const double y = pixel.y_at(active[k], t);
-    fragments.push_back(
-        {pixel.z_at(active[k], t), pixel.fragments.peak[active[k]] * std::exp(-y * y), &discs[k]});
+    fragments.push_back({pixel.z_at(active[k], t), pixel.fragments.peak[active[k]] * std::exp(-y * y),
+                         &discs[k],
+                         shade.side == Side::front  ? 1
+                         : shade.side == Side::back ? -1
+                                                    : 0});
     weight += fragments.back().weight;
   }
   reference::PixelSum sum;
-  instant.lone = reference::shade(fragments, pixel.model, Eigen::Vector4d::Zero(), sum) == 1 &&
-                 fragments.back().depth <= fragments.front().depth + fragments.front().disc->tolerance;
+  instant.lone = reference::shade(fragments, pixel.model, Eigen::Vector4d::Zero(), sum) == 1;
+  for (const reference::Fragment& f : fragments)
+    instant.lone = instant.lone && f.side * fragments.front().side >= 0 &&
+                   f.depth <= fragments.front().depth + fragments.front().disc->tolerance;
   instant.color = sum.color.array();
   instant.coverage =
       pixel.model.coverage == Coverage::hard ? 1.0 : std::min(1.0, weight / pixel.model.edge_weight);
@@ -275,8 +280,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     f.y_end = reach * (2.0 * std::max(y0, y1) - 1.0);
     f.z_begin = std::max(std::abs(bytes.real()), 1e-3);
     f.z_end = bytes.flag() ? f.z_begin : std::max(std::abs(bytes.real()), 1e-3);
-    f.peak = bytes.below(4) == 0 ? std::min(std::abs(bytes.real()), 1.0) : bytes.unit();
+    const int of_peak = bytes.byte();
+    f.peak = of_peak % 4 == 0 ? std::min(std::abs(bytes.real()), 1.0) : bytes.unit();
     Shade shade;
+    shade.side = static_cast<Side>(of_peak / 4 % 3);
     const double opacity = bytes.flag() ? 1.0 : bytes.unit();
     for (float& channel : shade.rgba) channel = static_cast<float>(opacity * bytes.unit());
     shade.rgba[3] = static_cast<float>(opacity);
