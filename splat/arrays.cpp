@@ -34,9 +34,9 @@ bool aligned(const Strided<T>& array) {
 
 /// A view where that can be read in place.
 template <class T>
-Column<T> column_of(const Strided<T>& array) {
+PointArray<T> column_of(const Strided<T>& array) {
   if (array.empty()) return {};
-  if (aligned(array)) return Column<T>::view(array);
+  if (aligned(array)) return PointArray<T>::view(array);
   std::vector<T> values(array.count);
   const char* from = reinterpret_cast<const char*>(array.data);
   for (std::size_t i = 0; i < array.count; ++i)
@@ -46,7 +46,7 @@ Column<T> column_of(const Strided<T>& array) {
 }
 
 template <class Arrays>
-Result<Column<Eigen::Vector3d>> positions_of(const Arrays& arrays) {
+Result<PointArray<Eigen::Vector3d>> positions_of(const Arrays& arrays) {
   if (arrays.position.empty() == arrays.position_single.empty())
     return lacks("position", arrays.position.empty() ? "is missing, or has no points" : "is given twice");
   if (!arrays.position.empty()) {
@@ -57,15 +57,15 @@ Result<Column<Eigen::Vector3d>> positions_of(const Arrays& arrays) {
   if (Status status = check_count("position_single", arrays.position_single, arrays.position_single.count);
       !status)
     return status.error();
-  const Column<Eigen::Vector3f> single = column_of(arrays.position_single);
+  const PointArray<Eigen::Vector3f> single = column_of(arrays.position_single);
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(single.size());
   for (const Eigen::Vector3f& position : single) positions.push_back(position.cast<double>());
-  return Column<Eigen::Vector3d>(std::move(positions));
+  return PointArray<Eigen::Vector3d>(std::move(positions));
 }
 
 template <class Arrays>
-Result<Column<Eigen::Vector3f>> velocities_of(const Arrays& arrays, std::size_t points) {
+Result<PointArray<Eigen::Vector3f>> velocities_of(const Arrays& arrays, std::size_t points) {
   if (Status status = check_count("velocity_per_frame", arrays.velocity_per_frame, points); !status)
     return status.error();
   if (Status status = check_count("velocity_per_second", arrays.velocity_per_second, points); !status)
@@ -77,12 +77,12 @@ Result<Column<Eigen::Vector3f>> velocities_of(const Arrays& arrays, std::size_t 
     return lacks("frames_per_second", "must be a finite number above 0");
   // As files are read: the factor in double precision, each product rounded once.
   const double seconds = 1.0 / arrays.frames_per_second;
-  const Column<Eigen::Vector3f> given = column_of(arrays.velocity_per_second);
+  const PointArray<Eigen::Vector3f> given = column_of(arrays.velocity_per_second);
   std::vector<Eigen::Vector3f> velocities;
   velocities.reserve(points);
   for (const Eigen::Vector3f& velocity : given)
     velocities.push_back((seconds * velocity.cast<double>()).cast<float>());
-  return Column<Eigen::Vector3f>(std::move(velocities));
+  return PointArray<Eigen::Vector3f>(std::move(velocities));
 }
 
 Status add_axes(const SurfelArrays& arrays, SurfelPose& pose) {
@@ -103,8 +103,8 @@ Status add_axes(const SurfelArrays& arrays, SurfelPose& pose) {
   if (Status status = check_count("normal", arrays.normal, points); !status) return status;
   if (arrays.radius.count != 1)
     if (Status status = check_count("radius", arrays.radius, points); !status) return status;
-  const Column<Eigen::Vector3f> normals = column_of(arrays.normal);
-  const Column<float> radii = column_of(arrays.radius);
+  const PointArray<Eigen::Vector3f> normals = column_of(arrays.normal);
+  const PointArray<float> radii = column_of(arrays.radius);
   std::vector<Eigen::Vector3f> axis_u(points), axis_v(points);
   for (std::size_t i = 0; i < points; ++i) {
     const Eigen::Vector3d normal = std::as_const(normals)[i].cast<double>();
@@ -119,7 +119,7 @@ Status add_axes(const SurfelArrays& arrays, SurfelPose& pose) {
 }
 
 Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
-  Result<Column<Eigen::Vector3d>> positions = positions_of(arrays);
+  Result<PointArray<Eigen::Vector3d>> positions = positions_of(arrays);
   if (!positions) return positions.error();
   const std::size_t points = positions->size();
   SurfelCloud cloud;
@@ -127,7 +127,7 @@ Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
   cloud.keys[0].frame = arrays.frame;
   cloud.keys[0].pose.position = *std::move(positions);
   if (Status status = add_axes(arrays, cloud.keys[0].pose); !status) return status.error();
-  Result<Column<Eigen::Vector3f>> velocities = velocities_of(arrays, points);
+  Result<PointArray<Eigen::Vector3f>> velocities = velocities_of(arrays, points);
   if (!velocities) return velocities.error();
   cloud.velocity = *std::move(velocities);
   if (Status status = check_count("color", arrays.color, points); !status) return status.error();
@@ -140,7 +140,7 @@ Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
 }
 
 Result<SplatCloud> splats_of(const SplatArrays& arrays) {
-  Result<Column<Eigen::Vector3d>> positions = positions_of(arrays);
+  Result<PointArray<Eigen::Vector3d>> positions = positions_of(arrays);
   if (!positions) return positions.error();
   const std::size_t splats = positions->size();
   SplatCloud cloud;
@@ -170,7 +170,7 @@ Result<SplatCloud> splats_of(const SplatArrays& arrays) {
   }
   cloud.rotation = std::move(rotations);
 
-  Result<Column<Eigen::Vector3f>> velocities = velocities_of(arrays, splats);
+  Result<PointArray<Eigen::Vector3f>> velocities = velocities_of(arrays, splats);
   if (!velocities) return velocities.error();
   cloud.velocity = *std::move(velocities);
   cloud.frame = arrays.frame;

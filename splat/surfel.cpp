@@ -20,7 +20,7 @@ Error wrong_count(const std::string& array, std::size_t found, std::size_t expec
 
 /// Count and finiteness of an array of fixed-size vectors.
 template <class Vector>
-Status check_vectors(const std::string& name, const Column<Vector>& array, std::size_t expected) {
+Status check_vectors(const std::string& name, const PointArray<Vector>& array, std::size_t expected) {
   if (array.size() != expected) return wrong_count(name, array.size(), expected);
   for (std::size_t i = 0; i < array.size(); ++i) {
     if (!array[i].allFinite()) return Error{"", indexed(name, i), "is not finite"};

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "splat/column.h"
 #include "splat/export.h"
+#include "splat/point_array.h"
 #include "splat/result.h"
 
 namespace SWEPT_API swept {
@@ -22,15 +22,15 @@ using Triangle = std::array<std::uint32_t, 3>;
 inline constexpr float most_color = 1e30f;
 
 /// Where the discs of a cloud are at one instant, in object space. The arrays may be views of the caller's
-/// own (Column::view).
+/// own (PointArray::view).
 ///
 /// A disc is {c + u a₁ + v a₂ : u² + v² ≤ 1}; its kernel is exp(−δ(u² + v²)). So |a₁| and |a₂| are
 /// radii at the kernel's cut-off, and a₁ × a₂ is the side that counts as front. The disc does not
 /// change when (a₁, a₂) is rotated within its plane in (u, v).
 struct SurfelPose {
-  Column<Eigen::Vector3d> position;  ///< centres; double, so survey coordinates keep their digits
-  Column<Eigen::Vector3f> axis_u;    ///< a₁, object-space units
-  Column<Eigen::Vector3f> axis_v;    ///< a₂
+  PointArray<Eigen::Vector3d> position;  ///< centres; double, so survey coordinates keep their digits
+  PointArray<Eigen::Vector3f> axis_u;    ///< a₁, object-space units
+  PointArray<Eigen::Vector3f> axis_v;    ///< a₂
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
@@ -48,12 +48,12 @@ struct SurfelCloud {
   /// strictly increasing frames and with equal counts: positions and axes are interpolated linearly
   /// between keys and held outside.
   std::vector<SurfelKey> keys;
-  Column<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
-  Column<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
-  Column<float> opacity;             ///< [0, 1]; empty: 1
+  PointArray<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
+  PointArray<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
+  PointArray<float> opacity;             ///< [0, 1]; empty: 1
   /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
   /// 0: it may point either way. Empty: 0 for all.
-  Column<std::uint8_t> oriented;
+  PointArray<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
   [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
@@ -92,7 +92,7 @@ class SurfelsAt {
  private:
   const SurfelPose* before_;
   const SurfelPose* after_ = nullptr;  ///< null: nothing is interpolated
-  const Column<Eigen::Vector3f>* velocity_ = nullptr;
+  const PointArray<Eigen::Vector3f>* velocity_ = nullptr;
   double t_ = 0.0, elapsed_ = 0.0;
 };
 

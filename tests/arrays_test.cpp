@@ -9,7 +9,7 @@
 
 #include "abuffer/sampled.h"
 #include "small_scenes.h"
-#include "splat/pixel_buffer.h"
+#include "splat/pixel_target.h"
 
 namespace swept {
 namespace {
@@ -209,20 +209,20 @@ TEST(Arrays, OfSplats) {
   EXPECT_EQ(cloud.error().field, "harmonics");
 }
 
-TEST(Column, OfAViewBecomesItsOwnWhenWritten) {
+TEST(PointArray, OfAViewBecomesItsOwnWhenWritten) {
   const std::vector<float> theirs = {1, 2, 3, 4, 5, 6};
-  Column<float> column = Column<float>::view({theirs.data(), 3, 2 * sizeof(float)});
-  const Column<float> view = column;
+  PointArray<float> column = PointArray<float>::view({theirs.data(), 3, 2 * sizeof(float)});
+  const PointArray<float> view = column;
   EXPECT_EQ(std::accumulate(view.begin(), view.end(), 0.0f), 9.0f);
   EXPECT_FALSE(view.contiguous());
   column[1] = 7.0f;
   EXPECT_FALSE(column.is_view());
   EXPECT_EQ(theirs[2], 3.0f);
-  EXPECT_EQ(column, Column<float>({1, 7, 5}));
-  EXPECT_EQ(view, Column<float>({1, 3, 5}));
+  EXPECT_EQ(column, PointArray<float>({1, 7, 5}));
+  EXPECT_EQ(view, PointArray<float>({1, 3, 5}));
 }
 
-TEST(PixelBuffer, TakesTheImageWhereItIsToBe) {
+TEST(PixelTarget, TakesTheImageWhereItIsToBe) {
   Image image = blank_image({3, 2, 0, 0, 0, 0});
   std::iota(image.rgba.begin(), image.rgba.end(), 0.0f);
   std::vector<float> packed(24, -1.0f);
@@ -236,7 +236,7 @@ TEST(PixelBuffer, TakesTheImageWhereItIsToBe) {
   EXPECT_EQ(rows, expected);
 }
 
-TEST(PixelBuffer, OfAnotherSizeIsAnError) {
+TEST(PixelTarget, OfAnotherSizeIsAnError) {
   const Image image = blank_image({3, 2, 0, 0, 0, 0});
   std::vector<float> pixels(24, -1.0f);
   EXPECT_EQ(copy_pixels(image, {pixels.data(), 2, 3}).error().field, "width, height");

@@ -76,7 +76,7 @@ bool fit_ring(const Positions& positions, std::size_t v, const Eigen::Vector3d& 
   return true;
 }
 
-double median_length(const Column<Eigen::Vector3f>& axes, const std::vector<std::size_t>& left_out) {
+double median_length(const PointArray<Eigen::Vector3f>& axes, const std::vector<std::size_t>& left_out) {
   std::vector<float> lengths;
   for (std::size_t i = 0, k = 0; i < axes.size(); ++i) {
     if (k < left_out.size() && left_out[k] == i) {

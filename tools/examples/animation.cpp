@@ -6,7 +6,7 @@
 
 #include <swept/abuffer/sampled.h>
 #include <swept/splat/arrays.h>
-#include <swept/splat/pixel_buffer.h>
+#include <swept/splat/pixel_target.h>
 
 namespace {
 
@@ -52,7 +52,7 @@ int main() {
   scene.camera.look_ats.emplace_back();
   scene.objects.emplace_back();
   std::vector<float> screen(320 * 180 * 3);  // bottom row first, as OpenGL has it
-  const swept::PixelBuffer frame{&screen[320 * 179 * 3], 320, 180, 3, 0, -320 * 3 * 4};
+  const swept::PixelTarget frame{&screen[320 * 179 * 3], 320, 180, 3, 0, -320 * 3 * 4};
 
   for (int number = 0; number < 8; ++number, step(particles)) {
     swept::SurfelArrays arrays;

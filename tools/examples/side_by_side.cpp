@@ -14,7 +14,7 @@
 #endif
 #include <swept/splat/compare/metrics.h>
 #include <swept/splat/io/image_file.h>
-#include <swept/splat/pixel_buffer.h>
+#include <swept/splat/pixel_target.h>
 
 namespace {
 
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   swept::Image together = swept::blank_image({width * count, height, 0, 0, 0, 0});
   for (int i = 0; i < count; ++i) {
     const swept::Image& image = pictures[static_cast<std::size_t>(i)].rendered->image;
-    const swept::PixelBuffer part{
+    const swept::PixelTarget part{
         &together.rgba[static_cast<std::size_t>(4 * width * i)], width, height, 4, 0, 16 * width * count};
     if (const swept::Status copied = swept::copy_pixels(image, part); !copied) return 1;
     if (i == 0) continue;

@@ -33,14 +33,15 @@ T option(const py::dict& options, const char* name, T otherwise) {
   return options.contains(name) && !options[name].is_none() ? py::cast<T>(options[name]) : otherwise;
 }
 
-Result<Rendered> render_gpu(const Scene& scene, int subframes) {
+Result<Rendered> render_gpu(const Scene& scene, int subframes, const RenderControl& control) {
 #ifdef SWEPT_HAS_GPU
   Result<GpuRenderer> renderer = GpuRenderer::create();
   if (!renderer) return renderer.error();
-  return renderer->render(scene, {.subframes = subframes});
+  return renderer->render(scene, {.subframes = subframes}, control);
 #else
   static_cast<void>(scene);
   static_cast<void>(subframes);
+  static_cast<void>(control);
   return Error{"", "method", "this swept was built without the GPU mode", ErrorKind::unsupported};
 #endif
 }
@@ -69,7 +70,8 @@ std::function<Result<Rendered>(const RenderControl&)> method_of(const Scene& sce
   }
   if (method == "gpu") {
     const int subframes = option(options, "samples", 0);
-    return [&scene, subframes](const RenderControl&) { return render_gpu(scene, subframes); };
+    return
+        [&scene, subframes](const RenderControl& control) { return render_gpu(scene, subframes, control); };
   }
   throw py::value_error("method must be 'sampled', 'exact', 'reference' or 'gpu', not '" + method + "'");
 }

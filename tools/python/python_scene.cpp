@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 
@@ -47,8 +48,9 @@ void take_motion(const py::dict& from, Arrays& arrays, Keep& keep) {
   arrays.frame = py::cast<double>(from["frame"]);
 }
 
-/// Axes of discs of which normals, radii or both are estimated from the nearest points.
-void estimate_axes(SurfelArrays& arrays, Keep& keep) {
+/// Axes of discs of which normals, radii or both are estimated from the nearest points. Which of them are
+/// known to face outside.
+std::vector<std::uint8_t> estimate_axes(SurfelArrays& arrays, Keep& keep) {
   PointSet points;
   const std::size_t count = std::max(arrays.position.count, arrays.position_single.count);
   for (std::size_t i = 0; i < count; ++i)
@@ -58,7 +60,7 @@ void estimate_axes(SurfelArrays& arrays, Keep& keep) {
   for (std::size_t i = 0; i < arrays.radius.count; ++i) points.radius.push_back(arrays.radius[i]);
   if (points.radius.size() == 1) points.radius.resize(count, points.radius.front());
   EstimatedSurfels discs = checked(surfels_from_cloud(points));
-  const auto keep_axis = [&keep, count](Column<Eigen::Vector3f>& axis) {
+  const auto keep_axis = [&keep, count](PointArray<Eigen::Vector3f>& axis) {
     std::vector<float> numbers(3 * count);
     std::copy(axis.data()->data(), axis.data()->data() + 3 * count, numbers.begin());
     const py::array array = array_from(std::move(numbers), {static_cast<py::ssize_t>(count), 3});
@@ -69,6 +71,9 @@ void estimate_axes(SurfelArrays& arrays, Keep& keep) {
   arrays.axis_v = keep_axis(discs.pose.axis_v);
   arrays.normal = {};
   arrays.radius = {};
+  std::vector<std::uint8_t> oriented(count, discs.oriented ? 1 : 0);
+  for (const std::size_t i : discs.unoriented) oriented[i] = 0;
+  return oriented;
 }
 
 Result<SurfelCloud> generate_cloud(const std::string& shape, std::size_t points,
@@ -122,11 +127,15 @@ void PythonScene::add_points(const py::dict& from) {
   arrays.color = rows_of<Eigen::Vector3f, float>(given(from, "colors"), "colors", keep);
   arrays.opacity = numbers_of(given(from, "opacities"), "opacities", keep);
   const bool axes = !arrays.axis_u.empty() || !arrays.axis_v.empty();
-  if (!axes && (arrays.normal.empty() || arrays.radius.empty())) estimate_axes(arrays, keep);
+  std::vector<std::uint8_t> oriented;
+  if (!axes && (arrays.normal.empty() || arrays.radius.empty())) oriented = estimate_axes(arrays, keep);
+  const py::object facing = from["oriented"];
+  arrays.oriented = facing.is_none() ? !arrays.normal.empty() : py::cast<bool>(facing);
   Object object;
   object.name = py::cast<std::string>(from["name"]);
   object.two_sided = py::cast<bool>(from["two_sided"]);
   object.cloud = checked(cloud_from_arrays(arrays));
+  if (!oriented.empty() && facing.is_none()) object.cloud.oriented = std::move(oriented);
   scene.objects.push_back(std::move(object));
   keep_.insert(keep_.end(), keep.begin(), keep.end());
 }
@@ -187,7 +196,7 @@ void PythonScene::frame_points(double fov_y_degrees) {
   std::vector<Eigen::Vector3d> points;
   for (const Object& object : own().objects) {
     if (object.cloud.size() > 0) {
-      const Column<Eigen::Vector3d>& positions = object.cloud.keys.front().pose.position;
+      const PointArray<Eigen::Vector3d>& positions = object.cloud.keys.front().pose.position;
       points.insert(points.end(), positions.begin(), positions.end());
     }
     points.insert(points.end(), object.splats.position.begin(), object.splats.position.end());

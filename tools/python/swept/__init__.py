@@ -90,17 +90,20 @@ class Scene:
         self._placed = True
 
     def add_points(self, positions, velocities=None, colors=None, *, normals=None, radii=None, axes_u=None,
-                   axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, name=""):
+                   axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, name=""):
         """Adds discs: (n, 3) arrays, and (n,) for radii and opacities; one radius is that of all.
 
         Looked into without a copy: positions as float64, and as float32 axes, velocities per frame, colours (linear)
         and opacities, if the three numbers of a point lie side by side. `axes_u` and `axes_v` span the discs, or
-        `normals` and `radii` do; of those, what is missing is estimated from the neighbours.
+        `normals` and `radii` do; of those, what is missing is estimated from the neighbours. `oriented`: axes_u ×
+        axes_v, or the normal, is known to point outside, so that front and back are two surfaces; so it is for
+        normals that are given, if nothing is said.
         """
         self._scene.add_points({
             "positions": positions, "velocities": velocities, "colors": colors, "normals": normals, "radii": radii,
             "axes_u": axes_u, "axes_v": axes_v, "opacities": opacities, "velocity_unit": _unit(velocity_unit),
             "fps": self._fps, "frame": self._frame, "name": name, "two_sided": two_sided,
+            "oriented": oriented,
         })
 
     def add_splats(self, positions, scales, rotations, opacities, harmonics, degree=0, *, velocities=None,
@@ -148,7 +151,7 @@ class Scene:
 
 def render(positions=None, velocities=None, colors=None, camera=None, *, scene=None, size=(1024, 576),
            shutter=(-0.25, 0.25), frame=None, fps=24.0, background=(0, 0, 0, 0), fields=None, normals=None, radii=None,
-           axes_u=None, axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, **how):
+           axes_u=None, axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, **how):
     """Renders points, or `scene`: a Scene, or the path of a scene, of points or of splats. Returns an image and its
     Statistics. Without a camera, one is found that sees all points. `how`: max_error_db, method and the other options
     of Scene.render(); the rest is as in Scene and Scene.add_points()."""
@@ -160,7 +163,7 @@ def render(positions=None, velocities=None, colors=None, camera=None, *, scene=N
         return scene.render(frame, **how)
     made = Scene(size, shutter, frame or 0.0, fps, background, camera, fields)
     made.add_points(positions, velocities, colors, normals=normals, radii=radii, axes_u=axes_u, axes_v=axes_v,
-                    opacities=opacities, velocity_unit=velocity_unit, two_sided=two_sided)
+                    opacities=opacities, velocity_unit=velocity_unit, two_sided=two_sided, oriented=oriented)
     return made.render(frame, **how)
 
 

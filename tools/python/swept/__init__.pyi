@@ -48,7 +48,7 @@ class Scene:
                    colors: Optional[ArrayLike] = ..., *, normals: Optional[ArrayLike] = ...,
                    radii: Optional[ArrayLike] = ..., axes_u: Optional[ArrayLike] = ...,
                    axes_v: Optional[ArrayLike] = ..., opacities: Optional[ArrayLike] = ...,
-                   velocity_unit: str = ..., two_sided: bool = ..., name: str = ...) -> None: ...
+                   velocity_unit: str = ..., two_sided: bool = ..., oriented: Optional[bool] = ..., name: str = ...) -> None: ...
     def add_splats(self, positions: ArrayLike, scales: ArrayLike, rotations: ArrayLike, opacities: ArrayLike,
                    harmonics: ArrayLike, degree: int = ..., *, velocities: Optional[ArrayLike] = ...,
                    velocity_unit: str = ..., antialiased: bool = ..., linear: bool = ..., name: str = ...) -> None: ...
@@ -69,7 +69,7 @@ def render(positions: Optional[ArrayLike] = ..., velocities: Optional[ArrayLike]
            frame: Optional[float] = ..., fps: float = ..., background: Sequence[float] = ...,
            fields: Optional[Mapping[str, Any]] = ..., normals: Optional[ArrayLike] = ...,
            radii: Optional[ArrayLike] = ..., axes_u: Optional[ArrayLike] = ..., axes_v: Optional[ArrayLike] = ...,
-           opacities: Optional[ArrayLike] = ..., velocity_unit: str = ..., two_sided: bool = ...,
+           opacities: Optional[ArrayLike] = ..., velocity_unit: str = ..., two_sided: bool = ..., oriented: Optional[bool] = ...,
            method: str = ..., max_error_db: float = ..., samples: int = ..., max_seconds: float = ...,
            error_channel: bool = ..., threads: int = ..., max_bytes: int = ...,
            progress: Optional[Callable[[float], Any]] = ...,

@@ -19,7 +19,7 @@ namespace SWEPT_API swept {
 /// it and its copies, and must not change meanwhile. A view that is written to, or read through an object
 /// that is not const, becomes an array of its own first.
 template <class T>
-class Column {
+class PointArray {
  public:
   using value_type = T;
 
@@ -32,7 +32,7 @@ class Column {
     using reference = const T&;
 
     Iterator() = default;
-    Iterator(const Column* column, std::size_t at) : column_(column), at_(at) {}
+    Iterator(const PointArray* column, std::size_t at) : column_(column), at_(at) {}
     reference operator*() const { return (*column_)[at_]; }
     pointer operator->() const { return &(*column_)[at_]; }
     reference operator[](difference_type i) const { return *(*this + i); }
@@ -55,17 +55,17 @@ class Column {
     friend auto operator<=>(const Iterator& a, const Iterator& b) { return a.at_ <=> b.at_; }
 
    private:
-    const Column* column_ = nullptr;
+    const PointArray* column_ = nullptr;
     std::size_t at_ = 0;
   };
 
-  Column() = default;
-  Column(std::vector<T> values) : own_(std::move(values)) {}
-  Column(std::initializer_list<T> values) : own_(values) {}
-  explicit Column(std::size_t count, const T& value = T()) : own_(count, value) {}
+  PointArray() = default;
+  PointArray(std::vector<T> values) : own_(std::move(values)) {}
+  PointArray(std::initializer_list<T> values) : own_(values) {}
+  explicit PointArray(std::size_t count, const T& value = T()) : own_(count, value) {}
 
-  [[nodiscard]] static Column view(const Strided<T>& values) {
-    Column column;
+  [[nodiscard]] static PointArray view(const Strided<T>& values) {
+    PointArray column;
     column.view_ = values;
     column.is_view_ = true;
     return column;
@@ -123,14 +123,14 @@ class Column {
   void reserve(std::size_t count) { own().reserve(count); }
   void resize(std::size_t count) { own().resize(count); }
   void resize(std::size_t count, const T& value) { own().resize(count, value); }
-  void assign(std::size_t count, const T& value) { *this = Column(count, value); }
+  void assign(std::size_t count, const T& value) { *this = PointArray(count, value); }
   template <class Input>
   requires(!std::is_integral_v<Input>) void assign(Input first, Input last) {
-    *this = Column(std::vector<T>(first, last));
+    *this = PointArray(std::vector<T>(first, last));
   }
-  void clear() { *this = Column(); }
+  void clear() { *this = PointArray(); }
 
-  friend bool operator==(const Column& a, const Column& b) {
+  friend bool operator==(const PointArray& a, const PointArray& b) {
     if (a.size() != b.size()) return false;
     for (std::size_t i = 0; i < a.size(); ++i)
       if (!(a[i] == b[i])) return false;

@@ -11,7 +11,7 @@ namespace SWEPT_API swept {
 
 /// Rows of pixels of floats, red first. Strides may be negative: a picture stored from the bottom up begins
 /// at its last row.
-struct PixelBuffer {
+struct PixelTarget {
   float* data = nullptr;  ///< red of the upper left pixel
   int width = 0, height = 0;
   int channels = 4;                       ///< 3: red, green, blue; 4: alpha too
@@ -19,8 +19,8 @@ struct PixelBuffer {
   std::ptrdiff_t row_stride_bytes = 0;    ///< 0: so do rows
 };
 
-/// Writes the image's window, as it is, linear and premultiplied, and nothing else of the buffer. Errors:
+/// Writes the image's window, as it is, linear and premultiplied, and nothing else of the target. Errors:
 /// sizes that differ, channels other than 3 or 4, no memory given; nothing is written then.
-[[nodiscard]] Status copy_pixels(const Image& image, const PixelBuffer& buffer) noexcept;
+[[nodiscard]] Status copy_pixels(const Image& image, const PixelTarget& target) noexcept;
 
 }  // namespace swept
