@@ -32,9 +32,9 @@ class PointArray {
     using reference = const T&;
 
     Iterator() = default;
-    Iterator(const PointArray* column, std::size_t at) : column_(column), at_(at) {}
-    reference operator*() const { return (*column_)[at_]; }
-    pointer operator->() const { return &(*column_)[at_]; }
+    Iterator(const PointArray* array, std::size_t at) : array_(array), at_(at) {}
+    reference operator*() const { return (*array_)[at_]; }
+    pointer operator->() const { return &(*array_)[at_]; }
     reference operator[](difference_type i) const { return *(*this + i); }
     Iterator& operator++() { return *this += 1; }
     Iterator operator++(int) { return std::exchange(*this, *this + 1); }
@@ -55,7 +55,7 @@ class PointArray {
     friend auto operator<=>(const Iterator& a, const Iterator& b) { return a.at_ <=> b.at_; }
 
    private:
-    const PointArray* column_ = nullptr;
+    const PointArray* array_ = nullptr;
     std::size_t at_ = 0;
   };
 
@@ -65,10 +65,10 @@ class PointArray {
   explicit PointArray(std::size_t count, const T& value = T()) : own_(count, value) {}
 
   [[nodiscard]] static PointArray view(const Strided<T>& values) {
-    PointArray column;
-    column.view_ = values;
-    column.is_view_ = true;
-    return column;
+    PointArray array;
+    array.view_ = values;
+    array.is_view_ = true;
+    return array;
   }
   [[nodiscard]] bool is_view() const { return is_view_; }
 

@@ -250,8 +250,18 @@ class Documentation(unittest.TestCase):
             if inspect.isclass(thing) or inspect.isfunction(thing):
                 self.assertTrue(thing.__doc__, name)
             self.assertIn(name, stubs)
-        for name, parameter in inspect.signature(swept.Scene.render).parameters.items():
+        for name, _ in inspect.signature(swept.Scene.render).parameters.items():
             self.assertIn(name, stubs)
+
+
+class Example(unittest.TestCase):
+    def test_accuracy_against_time(self):
+        with tempfile.TemporaryDirectory() as folder:
+            picture = os.path.join(folder, "ball.png")
+            done = subprocess.run([sys.executable, os.environ["SWEPT_EXAMPLE"], picture], cwd=folder, check=True,
+                                  stdout=subprocess.PIPE, text=True)
+            self.assertIn("asked, dB", done.stdout)
+            self.assertTrue(os.path.exists(picture))
 
 
 if __name__ == "__main__":
