@@ -49,7 +49,8 @@ class Renderer {
   Result<Rendered> render() {
     const std::size_t bytes = packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
       return Error{"", "max_bytes",
                    "points and what is kept of cells between refinements take " +

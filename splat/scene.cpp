@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "splat/fields.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -76,32 +77,37 @@ Exposure Scene::exposure() const {
 }
 
 Status Scene::validate() const {
-  // Written so that NaN fails it.
-  if (!(std::abs(frame) <= most_frame)) return bad("/frame", "the frame must be between -1e9 and 1e9");
-  if (Status status = validate_fields(*this); !status) return status;
-  if (Status status = camera.validate(); !status) return within("/camera", status.error());
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    if (Status status = swept::validate(objects[i]); !status)
-      return within("/objects/" + std::to_string(i), status.error());
-  return Done{};
+  return without_throwing("to check the scene", [&]() -> Status {
+    // Written so that NaN fails it.
+    if (!(std::abs(frame) <= most_frame)) return bad("/frame", "the frame must be between -1e9 and 1e9");
+    if (Status status = validate_fields(*this); !status) return status;
+    if (Status status = camera.validate(); !status) return within("/camera", status.error());
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      if (Status status = swept::validate(objects[i]); !status)
+        return within("/objects/" + std::to_string(i), status.error());
+    return Done{};
+  });
 }
 
 Status refuse_splats(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].splats.size() > 0)
-      return bad("/objects/" + std::to_string(i), "is made of Gaussian splats, which " +
-                                                      std::string(renderer) +
-                                                      " does not draw; --method sampled does, and \"draw\": "
-                                                      "\"surfels\" has them read as discs");
+      return Error{
+          "", "/objects/" + std::to_string(i),
+          "is made of Gaussian splats, which " + std::string(renderer) +
+              " does not draw; --method sampled does, and \"draw\": \"surfels\" has them read as discs",
+          ErrorKind::unsupported};
   return Done{};
 }
 
 Status refuse_triangles(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (!scene.objects[i].triangles.empty())
-      return bad("/objects/" + std::to_string(i), "is made of triangles, which " + std::string(renderer) +
-                                                      " does not draw; --method sampled does, and \"draw\": "
-                                                      "\"surfels\" has its points drawn as discs");
+      return Error{"", "/objects/" + std::to_string(i),
+                   "is made of triangles, which " + std::string(renderer) +
+                       " does not draw; --method sampled does, and \"draw\": \"surfels\" has its points "
+                       "drawn as discs",
+                   ErrorKind::unsupported};
   return Done{};
 }
 

@@ -9,11 +9,12 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/exposure.h"
 #include "splat/splat_cloud.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 inline constexpr int max_segments = 4096;
 

@@ -34,7 +34,7 @@ class Progress {
 
   /// False if the render is to stop.
   bool one_more() {
-    if (control_.progress) control_.progress(static_cast<double>(++done_) / images_);
+    if (control_.progress) call_back(control_.progress, static_cast<double>(++done_) / images_);
     return !control_.stop.stop_requested();
   }
 
@@ -172,8 +172,12 @@ Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
 
 Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                   const RenderControl& control) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (!refuse_splats(scene, "this")) return render_splat_reference(scene, {options.samples, control.threads});
+  const bool splats = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                  [](const Object& object) { return object.splats.size() > 0; });
+  if (splats) {
+    if (Status status = control.validate(); !status) return status.error();
+    return render_splat_reference(scene, {options.samples, control.threads}, control);
+  }
   return render_valid(scene, options, control, [&](const auto&...) {
     if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options, control);
     Stopwatch watch;

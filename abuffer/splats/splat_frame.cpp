@@ -45,7 +45,8 @@ class SplatFrame {
   Result<Rendered> render() {
     const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
@@ -63,7 +64,7 @@ class SplatFrame {
     out.statistics.time("motion", watch.lap());
     const auto unfinished = [](const CellWork& work) { return !work.done && !work.waiting; };
     do {
-      if (!render_round()) return Error{"", "", "the render was stopped"};
+      if (!render_round()) return Error{"", "", "the render was stopped", ErrorKind::cancelled};
     } while (std::any_of(cells_.begin(), cells_.end(), unfinished) || spend_more());
     parallel_for_each_index(cells_.size(), [&](std::size_t i) {
       if (cells_[i].waiting) finish(cells_[i]);

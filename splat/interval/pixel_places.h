@@ -1,7 +1,9 @@
 // Where in a pixel triangles are looked at. Source: model section 15.
 #pragma once
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 inline constexpr int pixel_places = 16;
 

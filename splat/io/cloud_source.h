@@ -8,12 +8,13 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/point_file.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What a file's velocities are measured in; files do not say.
 enum class VelocityUnit { per_second, per_frame, ignore };

@@ -14,12 +14,13 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/fields.h"
 #include "splat/io/cloud_source.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Makes the cloud of {"generator": shape, "points": points, <parameter>: <number>}, velocities per frame.
 /// The error's field is the member at fault.
