@@ -178,7 +178,7 @@ Json object_schema() {
        {"radius_scale", positive()},
        {"facing", words({"two_sided", "one_sided"})},
        {"segments", described(whole(1, 4096), "As image.segments, for this object")},
-       {"draw", described(words({"splats", "surfels"}), "What a file of trained splats is drawn as")}});
+       {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")}});
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include <functional>
 #include <string>
 
+#include "abuffer/reference/mesh_reference.h"
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/render_valid.h"
+#include "splat/motion/instant.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
@@ -16,6 +18,14 @@ namespace {
 
 /// The kernels that exist at a shutter time. The set lives until the next call.
 using KernelsAt = std::function<const KernelSet&(double tau)>;
+
+/// Triangles are on their true path at every instant.
+std::vector<reference::MeshAt> meshes_at(const Scene& scene, double tau) {
+  std::vector<reference::MeshAt> meshes;
+  for (const Object& object : scene.objects)
+    if (!object.triangles.empty()) meshes.emplace_back(scene, object, scene.exposure().at(tau));
+  return meshes;
+}
 
 /// Says how many still images of all are done.
 class Progress {
@@ -34,10 +44,11 @@ class Progress {
 };
 
 /// Adds the still images at the midpoints of `samples` strata of the shutter. False: stopped on the way.
-bool expose(const KernelsAt& kernels_at, int samples, Progress& progress, reference::FrameSum& sum) {
+bool expose(const Scene& scene, const KernelsAt& kernels_at, int samples, Progress& progress,
+            reference::FrameSum& sum) {
   for (int i = 0; i < samples; ++i) {
     const double tau = (i + 0.5) / samples;
-    sum.add(kernels_at(tau), tau);
+    sum.add(kernels_at(tau), tau, meshes_at(scene, tau));
     if (!progress.one_more()) return false;
   }
   return true;
@@ -46,6 +57,13 @@ bool expose(const KernelsAt& kernels_at, int samples, Progress& progress, refere
 bool nothing_moves(const KernelSet& set) {
   return std::all_of(set.kernels.begin(), set.kernels.end(), [](const MovingKernel& kernel) {
     return kernel.still() && kernel.t_begin <= 0.0f && kernel.t_end >= 1.0f;
+  });
+}
+
+bool meshes_stand_still(const Scene& scene) {
+  const Exposure exposure = scene.exposure();
+  return std::all_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+    return object.triangles.empty() || stands_still(scene, object, exposure);
   });
 }
 
@@ -82,7 +100,7 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   Stopwatch watch;
   reference::FrameSum sum(scene.film, scene.model, scene.background);
   Progress progress(control, source.still ? 1 : samples + samples / 2);
-  if (!expose(source.kernels_at, samples, progress, sum)) return stopped_error();
+  if (!expose(scene, source.kernels_at, samples, progress, sum)) return stopped_error();
   rendered.image = sum.mean();
   statistics.time("still images", watch.lap());
 
@@ -90,7 +108,7 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   double error = 0.0;
   if (!source.still) {
     reference::FrameSum half(scene.film, scene.model, scene.background);
-    if (!expose(source.kernels_at, samples / 2, progress, half)) return stopped_error();
+    if (!expose(scene, source.kernels_at, samples / 2, progress, half)) return stopped_error();
     error = rmse_of_rgb(rendered.image, half.mean()) / std::sqrt(6.0);
     instants += half.instants(), fragments += half.fragments(), surfaces += half.surfaces();
     statistics.time("error estimate", watch.lap());
@@ -111,8 +129,8 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
 Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
                                  const ReferenceOptions& options, const RenderControl& control) {
   const auto same_for_all = [&](double) -> const KernelSet& { return kernels; };
-  Result<Rendered> rendered =
-      render({same_for_all, nothing_moves(kernels), "linear segments"}, scene, options, control);
+  const bool still = nothing_moves(kernels) && meshes_stand_still(scene);
+  Result<Rendered> rendered = render({same_for_all, still, "linear segments"}, scene, options, control);
   if (rendered) add_kernel_counts(kernels, rendered->statistics);
   return rendered;
 }

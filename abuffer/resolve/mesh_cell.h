@@ -12,26 +12,24 @@ namespace swept {
 /// A thread's: memory is kept from cell to cell.
 class MeshCell {
  public:
+  explicit MeshCell(const MeshMath& math) : math_(math) {}
+
   /// Appends what the mesh shows in the cell's pixels: its first surface, and where that lets light through
   /// those behind it.
   void add(const MeshInstant& mesh, const Cell& cell, std::size_t index,
            std::vector<SampledCell::Surface>& surfaces);
 
-  std::uint64_t fragments = 0;  ///< pairs of a triangle and a pixel that it touches
+  std::uint64_t fragments = 0;  ///< pairs of a triangle and a pixel in which it is met
 
  private:
-  struct Fragment {
-    std::uint32_t placed;  ///< triangle
-    std::uint16_t pixel;   ///< of cell_px × cell_px
-    std::uint16_t mask;    ///< places where the triangle is met
-  };
-
-  void draw(const PlacedTriangle& placed, std::uint32_t index, const FilmBox& box, const Cell& cell);
-  void shade(std::uint32_t pixel, std::size_t begin, std::size_t end, const Cell& cell, bool opaque,
+  void draw(const PlacedTriangle& placed, const FilmBox& box, const Cell& cell);
+  void draw_row(const PlacedTriangle& placed, int x_begin, int x_end, int y, const Cell& cell);
+  void shade(const Cell& cell, std::size_t begin, std::size_t end,
              std::vector<SampledCell::Surface>& surfaces) const;
 
+  const MeshMath& math_;
   std::vector<PlacedTriangle> placed_;
-  std::vector<Fragment> fragments_, sorted_;
+  std::vector<MeshFragment> fragments_, sorted_;
   std::vector<std::uint32_t> starts_;
 };
 

@@ -16,7 +16,7 @@ Linear on_film(const Eigen::Vector3d& v, const Projection& projection) {
 
 }  // namespace
 
-std::optional<PlacedTriangle> PlacedTriangle::make(const MeshInstant& mesh, std::size_t triangle) {
+std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_t triangle) {
   const Object& object = mesh.object();
   const Eigen::Vector3d *corner[3], *const *p = corner;
   for (std::size_t i = 0; i < 3; ++i) corner[i] = &mesh.corner(triangle, i);
@@ -27,22 +27,20 @@ std::optional<PlacedTriangle> PlacedTriangle::make(const MeshInstant& mesh, std:
   if (!object.two_sided && (volume < 0.0) == mesh.mirrored()) return std::nullopt;
   PlacedTriangle placed;
   const double side = volume > 0.0 ? 1.0 : -1.0;
+  double weight[3];
   for (std::size_t i = 0; i < 3; ++i) {
     Linear& edge = placed.edge[i];
     edge = on_film(normals[i], mesh.projection());
     const double scale = std::abs(edge.a) + std::abs(edge.b);
-    placed.weight[i] = 1.0;
-    if (scale > 0.0) {
-      edge = {side * edge.a / scale, side * edge.b / scale, side * edge.c / scale};
-      placed.weight[i] = scale;
-    } else {
-      edge = {0.0, 0.0, side * edge.c};
-    }
+    weight[i] = scale > 0.0 ? scale : 1.0;
+    edge = {side * edge.a / weight[i], side * edge.b / weight[i], side * edge.c / weight[i]};
     placed.owns[i] = edge.a > 0.0 || (edge.a == 0.0 && edge.b > 0.0);
   }
+  const double heaviest = std::max({weight[0], weight[1], weight[2]});
+  for (std::size_t i = 0; i < 3; ++i) placed.weight[i] = static_cast<float>(weight[i] / heaviest);
   const Eigen::Vector3d sum = (normals[0] + normals[1] + normals[2]) / volume;
   placed.inverse_depth = on_film(sum, mesh.projection());
-  placed.nearest = static_cast<float>(1.0 / mesh.near());
+  placed.most_inverse = static_cast<float>(1.0 / mesh.near());
   placed.cut = !(p[0]->z() >= mesh.near() && p[1]->z() >= mesh.near() && p[2]->z() >= mesh.near());
   placed.plain = true;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -1,7 +1,9 @@
 #include "abuffer/splats/film_surfaces.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
+#include <utility>
 
 #include "abuffer/resolve/sample_plan.h"
 #include "splat/motion/instant.h"
@@ -9,14 +11,15 @@
 namespace swept {
 
 FilmSurfaces::FilmSurfaces(const Scene& scene, const Exposure& exposure, bool only_standing,
-                           const SampledMath& math, const CellGrid& grid, const std::vector<char>& wanted)
+                           const SampledMath& math, const MeshMath& mesh_math, const CellGrid& grid,
+                           const std::vector<char>& wanted)
     : scene_(scene),
       exposure_(exposure),
       grid_(grid),
       discs_(pack_points(scene, exposure, only_standing)),
       bins_(scene, exposure, discs_),
       mesh_motion_(scene, exposure, grid),
-      cells_([this, &math] { return OfCell(*this, math); }) {
+      cells_([this, &math, &mesh_math] { return OfCell(*this, math, mesh_math); }) {
   for (const Object& object : scene.objects) {
     const bool still = stands_still(scene, object, exposure);
     if (object.triangles.empty() || (only_standing && !still)) continue;
@@ -77,42 +80,51 @@ void FilmSurfaces::OfCell::begin(std::size_t cell) {
 }
 
 const std::vector<SampledCell::Surface>& FilmSurfaces::OfCell::at(const Instant& instant) {
-  surfaces_.clear();
-  for (const auto& mesh : instant.meshes) mesh_.add(*mesh, cell_, index_, surfaces_);
-  if (!any_discs_) {
-    sort();
-    return surfaces_;
-  }
-  const std::vector<SampledCell::Surface>& discs = discs_.surfaces(instant.discs);
-  if (surfaces_.empty()) return discs;
-  surfaces_.insert(surfaces_.end(), discs.begin(), discs.end());
-  sort();
-  return surfaces_;
+  meshes_.clear();
+  for (const auto& mesh : instant.meshes) mesh_.add(*mesh, cell_, index_, meshes_);
+  static const std::vector<SampledCell::Surface> no_discs;
+  const std::vector<SampledCell::Surface>& discs = any_discs_ ? discs_.surfaces(instant.discs) : no_discs;
+  if (meshes_.empty()) return discs;
+  merge(discs);
+  return merged_;
 }
 
-/// By pixel, and in each by depth. What follows the depth makes the order of objects indifferent.
-void FilmSurfaces::OfCell::sort() {
+/// In each pixel a mesh's surface comes before the first of the discs' that is deeper; those keep their
+/// order.
+void FilmSurfaces::OfCell::merge(const std::vector<SampledCell::Surface>& discs) {
+  constexpr std::size_t pixels = cell_px * cell_px;
   const auto pixel = [](const SampledCell::Surface& s) {
     return static_cast<std::size_t>(s.y * cell_px + s.x);
   };
-  starts_.assign(cell_px * cell_px + 1, 0);
-  for (const SampledCell::Surface& s : surfaces_) ++starts_[pixel(s) + 1];
-  for (std::size_t p = 0; p < cell_px * cell_px; ++p) starts_[p + 1] += starts_[p];
-  sorted_.resize(surfaces_.size());
-  for (const SampledCell::Surface& s : surfaces_) sorted_[starts_[pixel(s)]++] = s;
+  // Both by pixel, one list behind the other.
+  by_pixel_.resize(discs.size() + meshes_.size());
+  std::size_t first = 0;
+  for (const auto* list : {&discs, &std::as_const(meshes_)}) {
+    std::vector<std::size_t>& ends = list == &discs ? disc_ends_ : mesh_ends_;
+    ends.assign(pixels + 1, 0);
+    for (const SampledCell::Surface& s : *list) ++ends[pixel(s) + 1];
+    ends[0] = first;
+    for (std::size_t p = 0; p < pixels; ++p) ends[p + 1] += ends[p];
+    for (const SampledCell::Surface& s : *list) by_pixel_[ends[pixel(s)]++] = s;
+    first = by_pixel_.size() - meshes_.size();
+  }
+  const auto nearer = [](const SampledCell::Surface& a, const SampledCell::Surface& b) {
+    return a.depth < b.depth;
+  };
+  // What follows the depth makes the order of meshes indifferent.
   const auto before = [](const SampledCell::Surface& a, const SampledCell::Surface& b) {
     return std::tie(a.depth, a.rgba[3], a.rgba[0], a.rgba[1], a.rgba[2]) <
            std::tie(b.depth, b.rgba[3], b.rgba[0], b.rgba[1], b.rgba[2]);
   };
-  std::size_t begin = 0;
-  for (std::size_t p = 0; p < cell_px * cell_px; ++p) {
-    const std::size_t end = starts_[p];
-    if (end > begin + 1)
-      std::sort(sorted_.begin() + static_cast<std::ptrdiff_t>(begin),
-                sorted_.begin() + static_cast<std::ptrdiff_t>(end), before);
-    begin = end;
+  merged_.clear();
+  const auto at = [&](std::size_t i) { return by_pixel_.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::size_t disc = 0, mesh = discs.size();
+  for (std::size_t p = 0; p < pixels; ++p) {
+    std::sort(at(mesh), at(mesh_ends_[p]), before);
+    std::merge(at(disc), at(disc_ends_[p]), at(mesh), at(mesh_ends_[p]), std::back_inserter(merged_), nearer);
+    disc = disc_ends_[p];
+    mesh = mesh_ends_[p];
   }
-  surfaces_.swap(sorted_);
 }
 
 }  // namespace swept

@@ -21,7 +21,7 @@ class FilmSurfaces {
  public:
   /// Runs in the caller's task arena. `wanted`: of the cells, those that are ever asked for.
   FilmSurfaces(const Scene& scene, const Exposure& exposure, bool only_standing, const SampledMath& math,
-               const CellGrid& grid, const std::vector<char>& wanted);
+               const MeshMath& mesh_math, const CellGrid& grid, const std::vector<char>& wanted);
   // Threads' memory refers to it.
   FilmSurfaces(const FilmSurfaces&) = delete;
   FilmSurfaces& operator=(const FilmSurfaces&) = delete;
@@ -43,14 +43,14 @@ class FilmSurfaces {
   /// A thread's.
   class OfCell {
    public:
-    OfCell(const FilmSurfaces& film, const SampledMath& math)
-        : film_(film), discs_(film.scene_, film.discs_, math) {}
+    OfCell(const FilmSurfaces& film, const SampledMath& math, const MeshMath& mesh_math)
+        : film_(film), discs_(film.scene_, film.discs_, math), mesh_(mesh_math) {}
     void begin(std::size_t cell);
     /// In each pixel from the nearest to the farthest.
     const std::vector<SampledCell::Surface>& at(const Instant& instant);
 
    private:
-    void sort();
+    void merge(const std::vector<SampledCell::Surface>& discs);
 
     const FilmSurfaces& film_;
     std::size_t index_ = 0;
@@ -58,8 +58,8 @@ class FilmSurfaces {
     SampledCell discs_;
     bool any_discs_ = false;
     MeshCell mesh_;
-    std::vector<SampledCell::Surface> surfaces_, sorted_;
-    std::vector<std::size_t> starts_;
+    std::vector<SampledCell::Surface> meshes_, by_pixel_, merged_;
+    std::vector<std::size_t> disc_ends_, mesh_ends_;  ///< by pixel
   };
   /// The thread's, begun.
   [[nodiscard]] OfCell& begin(std::size_t cell) {

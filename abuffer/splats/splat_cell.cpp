@@ -89,6 +89,26 @@ void CellOfSplats::store(const Cell& cell, double total, float background_alpha,
   });
 }
 
+void CellOfSplats::weigh(const InstantWeights& weights) {
+  for (SplatSums& sums : tiles)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(tile_floats); ++i) {
+      sums.alternating_red[i] = weights.alternating * sums.red[i];
+      sums.alternating_green[i] = weights.alternating * sums.green[i];
+      sums.alternating_blue[i] = weights.alternating * sums.blue[i];
+      const float grey = (sums.red[i] + sums.green[i]) + sums.blue[i];
+      sums.even[i] = weights.even * grey;
+      sums.odd[i] = weights.odd * grey;
+    }
+}
+
+void CellOfSplats::copy_colors(const Cell& cell, int width, std::vector<float>& rgba) const {
+  for_each_pixel(cell, [&](std::size_t tile, std::size_t i, int x, int y) {
+    const std::size_t to =
+        4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    rgba[to] = tiles[tile].red[i], rgba[to + 1] = tiles[tile].green[i], rgba[to + 2] = tiles[tile].blue[i];
+  });
+}
+
 void CellOfSplats::store_error(const Cell& cell, double per_alternating, const Image& image,
                                std::vector<float>& channel) const {
   for_each_pixel(cell, [&](std::size_t tile, std::size_t i, int x, int y) {
