@@ -30,7 +30,7 @@ std::string describe(const ObjectSource& source) {
   return text + (sequence.gaps ? ", with gaps" : "") + (sequence.cycle ? ", cyclic" : "");
 }
 
-bool any_moves(const std::vector<Eigen::Vector3f>& velocities) {
+bool any_moves(const PointArray<Eigen::Vector3f>& velocities) {
   return std::any_of(velocities.begin(), velocities.end(),
                      [](const Eigen::Vector3f& velocity) { return !velocity.isZero(0.0f); });
 }
