@@ -47,7 +47,10 @@ class Renderer {
       : scene_(scene), options_(options), control_(control), exposure_(scene.exposure()) {}
 
   Result<Rendered> render() {
-    const std::size_t bytes = packed_bytes(scene_, exposure_);
+    const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
+    const std::size_t bytes = packed_bytes(scene_, all_rows);
+    if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
+      return Error{"", "max_seconds", "does not go with rows that are exposed one after the other"};
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
       return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
     if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
@@ -56,7 +59,7 @@ class Renderer {
                        std::to_string(bytes + kept_bytes()) + " bytes"};
     Stopwatch watch;
     Rendered out;
-    const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
+    const std::vector<PointPackets> objects = pack_points(scene_, all_rows, options_.only_standing);
     out.statistics.time("packets", watch.lap());
     const PacketBins bins(scene_, exposure_, objects);
     out.statistics.time("bins", watch.lap());
@@ -135,7 +138,7 @@ class Renderer {
                                  : std::numeric_limits<double>::infinity();
       const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
       while (cell.squares() > allowed && cell.count < most_chosen_instants)
-        double_instants(cell, renderer, table);
+        double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
   }
@@ -145,6 +148,7 @@ class Renderer {
     const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
     renderer.begin(bins_->cell(window_cells_[i]), packets);
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+    const int row = bins_->cell(window_cells_[i]).y;
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
@@ -153,7 +157,7 @@ class Renderer {
     for (int k = 0; k < cell.count; ++k) {
       InstantWeights weights;
       if (estimated) weights = estimating_weights(k, cell.count);
-      renderer.add(*table.at(2 * k + 1, 2 * cell.count), weights);
+      renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
     }
     cell.instants = cell.count;
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
@@ -161,14 +165,17 @@ class Renderer {
 
   /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
   /// rule is the trapezoid's.
-  void double_instants(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+  void double_instants(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    CellProgress& cell = progress_[i];
+    const int row = bins_->cell(window_cells_[i]).y;
     const int count = cell.count;
     const bool at_ends = cell.instants == count;
     renderer.alternate_from_sums(count);
     const int added = at_ends ? count + 1 : count;
-    for (int i = 0; i < added; ++i) {
-      const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
-      renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
+    for (int k = 0; k < added; ++k) {
+      const float w = at_ends && (k == 0 || k == count) ? 0.5f : 1.0f;
+      renderer.add(at_ends ? *table.at(k, count, row) : *table.at(2 * k + 1, 2 * count, row),
+                   {w, -w, 0.0f, 0.0f});
     }
     cell.instants += added;
     cell.count = 2 * count;
@@ -213,7 +220,7 @@ class Renderer {
         if (begun_.so_far() + needs > seconds) return;
         step(i, [&](SampledCell& renderer) {
           renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
-          double_instants(cell, renderer, table);
+          double_instants(i, renderer, table);
         });
         refined = true;
       });
@@ -345,6 +352,8 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (of_splats) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
+    if (Status status = refuse_row_delay(scene, "the engine of Gaussian splats"); !status)
+      return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
     return of_splats ? render_splats(all...) : Renderer(all...).render();

@@ -63,6 +63,7 @@ Status ImageModel::validate() const {
 
 Exposure Scene::exposure() const {
   Exposure exposure{frame + shutter.open, frame + shutter.close};
+  exposure.row_delay = shutter.row_delay;
   if (shutter.curve == ShutterShape::box || exposure.instant()) return exposure;
   exposure.curve = std::make_shared<const ShutterCurve>(shutter);
   exposure.curve_open = exposure.open;
@@ -78,6 +79,23 @@ Status Scene::validate() const {
   for (std::size_t i = 0; i < objects.size(); ++i)
     if (Status status = swept::validate(objects[i]); !status)
       return within("/objects/" + std::to_string(i), status.error());
+  return Done{};
+}
+
+Status refuse_row_delay(const Scene& scene, std::string_view renderer) {
+  if (scene.shutter.row_delay == 0.0) return Done{};
+  return bad("/shutter/row_delay",
+             "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
+}
+
+Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
+  const Exposure exposure = scene.exposure();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    for (const Lifetime& life : scene.objects[i].cloud.lifetime)
+      if (life.born > exposure.open || life.gone <= exposure.close)
+        return bad("/objects/" + std::to_string(i),
+                   "has points that come or go while the shutter is open, which " + std::string(renderer) +
+                       " does not draw");
   return Done{};
 }
 

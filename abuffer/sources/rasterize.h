@@ -22,6 +22,7 @@ struct RasterModel {
   Projection projection;
   double near = 0.0;
   double delta = 3.0;
+  double row_delay = 0.0;  ///< shutter time by which each row of the film is exposed later than the one above
 };
 
 /// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded

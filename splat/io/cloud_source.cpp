@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -24,6 +25,10 @@ Status check_options(const CloudSource& source) {
   if (source.color_range && !positive(*source.color_range)) {
     return option_error("color_range", "must be positive and finite");
   }
+  if (source.stamps && source.files.size() > 1)
+    return option_error("stamps", "belong to a single file, for points of several have the files' times");
+  if (source.stamps && !std::isfinite(source.stamps->zero))
+    return option_error("stamps", "zero is not finite");
   if (source.fps.numerator < 1 || source.fps.denominator < 1) {
     return option_error("fps", "must be two numbers ≥ 1");
   }
@@ -84,9 +89,21 @@ double velocity_scale(const CloudSource& source) {
   return static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
 }
 
+/// Rates of change per frame, of which `order` time units are under the line.
+std::vector<Eigen::Vector3f> per_frame(std::vector<Eigen::Vector3f> rates, int order,
+                                       const CloudSource& source) {
+  if (source.velocity_unit == VelocityUnit::per_frame) return rates;
+  const double scale = std::pow(velocity_scale(source), order);
+  for (Eigen::Vector3f& rate : rates) rate = (scale * rate.cast<double>()).cast<float>();
+  return rates;
+}
+
 void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded) {
   if (source.velocity_unit == VelocityUnit::ignore) return;
+  loaded.cloud.acceleration = per_frame(std::move(set.acceleration), 2, source);
+  loaded.cloud.angular_velocity = per_frame(std::move(set.angular_velocity), 1, source);
   if (set.velocity.empty()) {
+    if (loaded.cloud.accelerates() || loaded.cloud.spins()) return;
     if (source.files.size() < 2)
       loaded.report.assumed.push_back("there are no velocities: the points stand still");
     return;
@@ -103,6 +120,43 @@ void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded
   loaded.report.assumed.push_back("velocities are per second, at " + rate + " frames per second");
   const double frame_seconds = velocity_scale(source);
   for (Eigen::Vector3f& v : loaded.cloud.velocity) v = (frame_seconds * v.cast<double>()).cast<float>();
+}
+
+/// Points that were each seen at a time of their own.
+Status take_stamps(const PointSet& set, double frame, const CloudSource& source, LoadedCloud& loaded) {
+  const TimeStamps& stamps = *source.stamps;
+  if (set.time.empty())
+    return Error{"", "time",
+                 "there are no time stamps; \"attributes\": {\"time\": NAME} says which they are"};
+  SurfelCloud& cloud = loaded.cloud;
+  const double per_unit = stamps.unit == StampUnit::frames ? 1.0
+                                                           : static_cast<double>(source.fps.numerator) /
+                                                                 static_cast<double>(source.fps.denominator);
+  std::vector<double> frames;
+  frames.reserve(set.time.size());
+  for (const double time : set.time) frames.push_back(frame + (time - stamps.zero) * per_unit);
+  if (!stamps.sensor.keys.empty()) {
+    SurfelPose& pose = cloud.keys.front().pose;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (!(std::abs(frames[i]) <= most_frame))
+        return Error{"", "time", "point " + std::to_string(i) + " was seen at a frame beyond 1e9"};
+      const Eigen::Affine3d sensor = stamps.sensor.at(frames[i]);
+      const auto turn = [&](Eigen::Vector3f& v) { v = (sensor.linear() * v.cast<double>()).cast<float>(); };
+      pose.position[i] = sensor * pose.position[i];
+      turn(pose.axis_u[i]);
+      turn(pose.axis_v[i]);
+      for (auto* rates : {&cloud.velocity, &cloud.acceleration, &cloud.angular_velocity})
+        if (!rates->empty()) turn((*rates)[i]);
+    }
+  }
+  if (cloud.moves())
+    if (Status s = shift_to_stamps(cloud, frames); !s) return s;
+  const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
+  char text[96];
+  std::snprintf(text, sizeof text, "points were seen from frame %.6g to %.6g, each at a time of its own",
+                *first, *last);
+  loaded.report.assumed.emplace_back(text);
+  return Done{};
 }
 
 /// The rest of what the first key says, after its discs are taken.
@@ -128,6 +182,8 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   }
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);
+  if (source.stamps)
+    if (Status s = take_stamps(set, frame, source, loaded); !s) return s.error();
   return loaded;
 }
 
@@ -140,6 +196,10 @@ Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& sou
   return first_key(std::move(set), *std::move(discs), frame, source);
 }
 
+void leave_rates(ReadOptions& options) {
+  for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) options.attributes[rate] = "";
+}
+
 ReadOptions read_options(const CloudSource& source) {
   ReadOptions options;
   options.attributes = source.attributes;
@@ -147,14 +207,15 @@ ReadOptions read_options(const CloudSource& source) {
   options.skip_invalid = source.skip_invalid;
   options.color_range = source.color_range;
   options.color_space = source.color_space;
-  if (source.velocity_unit == VelocityUnit::ignore) options.attributes["velocity"] = "";
+  if (source.velocity_unit == VelocityUnit::ignore) leave_rates(options);
+  options.stamps = source.stamps.has_value();
   return options;
 }
 
 /// Several keys say themselves how the points move.
 ReadOptions key_options(const CloudSource& source) {
   ReadOptions options = read_options(source);
-  if (source.files.size() > 1) options.attributes["velocity"] = "";
+  if (source.files.size() > 1) leave_rates(options);
   return options;
 }
 
@@ -177,14 +238,20 @@ struct KeySpan {
   std::size_t nearest = 0;  ///< to the middle of what is asked for; of two the earlier
 };
 
-KeySpan span_of(const std::vector<KeyFile>& files, double first, double last) {
+KeySpan span_of(const std::vector<KeyFile>& files, double first, double last, KeyPath path) {
   KeySpan span{0, files.size(), 0};
   while (span.begin + 1 < span.end && files[span.begin + 1].frame <= first) ++span.begin;
   while (span.end > span.begin + 1 && files[span.end - 2].frame >= last) --span.end;
+  const std::size_t begin = span.begin, end = span.end;
   const double middle = first + 0.5 * (last - first);
   span.nearest = span.begin;
-  for (std::size_t k = span.begin; k < span.end; ++k) {
+  for (std::size_t k = begin; k < end; ++k) {
     if (std::abs(files[k].frame - middle) < std::abs(files[span.nearest].frame - middle)) span.nearest = k;
+  }
+  // A spline between two keys depends on those beside them; one that is held needs none.
+  if (path == KeyPath::spline && end > begin + 1) {
+    if (span.begin > 0) --span.begin;
+    if (span.end < files.size()) ++span.end;
   }
   return span;
 }
@@ -198,11 +265,14 @@ void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
   cloud.keys.push_back({frame, std::move(discs.pose)});
 }
 
-/// Velocities apart, which are not always asked for.
+bool is_rate(const std::string& attribute) {
+  return attribute == "velocity" || attribute == "acceleration" || attribute == "angular_velocity";
+}
+
+/// Rates apart, which are not always asked for.
 void compare_reports(const ReadReport& other, const KeyFile& file, ReadReport& report) {
   std::vector<ReadReport::Use> a = report.used, b = other.used;
-  for (auto* uses : {&a, &b})
-    std::erase_if(*uses, [](const auto& use) { return use.attribute == "velocity"; });
+  for (auto* uses : {&a, &b}) std::erase_if(*uses, [](const auto& use) { return is_rate(use.attribute); });
   if (a != b) report.assumed.push_back(file.path + " has other attributes than the rest of its sequence");
 }
 
@@ -267,6 +337,8 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   if (reference->id.empty()) return no_ids(nearest);
   PointSet still = *reference;
   still.velocity.clear();
+  still.acceleration.clear();
+  still.angular_velocity.clear();
   Result<EstimatedSurfels> nearest_discs = discs_of(still, source);
   if (!nearest_discs) return in_file(nearest_discs.error(), nearest.path);
   Result<LoadedCloud> first = first_key(std::move(still), *nearest_discs, nearest.frame, source);
@@ -296,9 +368,11 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   }
   if (all_there) {
     ReadReport& report = loaded.report;
-    const std::vector<std::string> velocity = report.properties_of("velocity");
-    report.unread.insert(report.unread.end(), velocity.begin(), velocity.end());
-    std::erase_if(report.used, [](const auto& use) { return use.attribute == "velocity"; });
+    for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) {
+      const std::vector<std::string> names = report.properties_of(rate);
+      report.unread.insert(report.unread.end(), names.begin(), names.end());
+    }
+    std::erase_if(report.used, [](const auto& use) { return is_rate(use.attribute); });
   }
   return loaded;
 }
@@ -335,7 +409,7 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
   if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
 
   const std::vector<KeyFile>& files = source.files;
-  const KeySpan span = span_of(files, first, last);
+  const KeySpan span = span_of(files, first, last, source.path);
   Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
   if (!set) return set.error();
   const bool several = span.end > span.begin + 1;
@@ -350,7 +424,7 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
   if (!loaded && several && loaded.error().field == "points") {
     // Particles come and go. One file says how its own move on, if it has velocities.
     Result<PointSet> alone = read_nearest(source, files[span.nearest]);
-    if (!alone || alone->velocity.empty()) return loaded.error();
+    if (!alone || (alone->velocity.empty() && alone->acceleration.empty())) return loaded.error();
     from = span.nearest;
     loaded = first_key(*std::move(alone), files[from].frame, source);
     if (loaded)
@@ -359,6 +433,7 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
           files[from].path + " move along their velocities");
   }
   if (!loaded) return in_file(loaded.error(), files[from].path);
+  if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
   for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
   if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
   return loaded;

@@ -71,6 +71,7 @@ struct ObjectSource {
   /// Of a single file; without it, splats where the file holds trained ones.
   std::optional<DrawAs> draw;
   VelocityUnit velocity = VelocityUnit::per_second;
+  std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
   bool color_by_normals = false;                              ///< the same, from each disc's normal
   Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
