@@ -250,7 +250,8 @@ Result<Rendered> render_standing(const Scene& scene, const AbufferOptions& optio
                                  const RenderControl& control) {
   SampledOptions instant;
   instant.samples = 1;
-  instant.only_standing = true;
+  // Rows at instants of their own stand still each by itself.
+  instant.only_standing = !scene.exposure().instant();
   if (!options.simd) instant.implementation = 0;
   return render_sampled(scene, instant, control);
 }

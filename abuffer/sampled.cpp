@@ -79,7 +79,9 @@ class Renderer {
     tbb::enumerable_thread_specific<SampledCell> cells(
         [&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
-    if (options_.max_seconds > 0.0) {
+    if (exposure_.row_delay != 0.0 && options_.samples == 0) {
+      render_rows(cells, table);
+    } else if (options_.max_seconds > 0.0) {
       render_for(options_.max_seconds, cells, table);
     } else {
       ProgressOf done(control_, window_cells_.size());
@@ -141,6 +143,63 @@ class Renderer {
         double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
+  }
+
+  /// Cells of a single row say too little about their error: those of a square share their number of
+  /// instants, which begins anew when it doubles.
+  void render_rows(tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+    const std::size_t columns = static_cast<std::size_t>((scene_.film.width + cell_px - 1) / cell_px);
+    const std::size_t squares_down = static_cast<std::size_t>((scene_.film.height + cell_px - 1) / cell_px);
+    std::vector<std::size_t> window_index(bins_->cell_count(), bins_->cell_count());
+    for (std::size_t i = 0; i < window_cells_.size(); ++i) window_index[window_cells_[i]] = i;
+    ProgressOf done(control_, columns * squares_down);
+    parallel_for_parts(tbb::blocked_range<std::size_t>(0, columns * squares_down, 1), [&](const auto& range) {
+      for (std::size_t square = range.begin(); square != range.end(); ++square) {
+        std::vector<std::size_t> rows;
+        bool seen = false;
+        for (std::size_t y = square / columns * cell_px;
+             y < std::min((square / columns + 1) * cell_px, bins_->cell_count() / columns); ++y) {
+          rows.push_back(y * columns + square % columns);
+          seen = seen || window_index[rows.back()] < window_cells_.size();
+        }
+        if (seen && !control_.stop.stop_requested()) render_square(rows, window_index, cells.local(), table);
+        done.one_more();
+      }
+    });
+  }
+
+  void render_square(const std::vector<std::size_t>& rows, const std::vector<std::size_t>& window_index,
+                     SampledCell& renderer, InstantTable& table) {
+    double px = 0.0;
+    int first = 1;
+    for (const std::size_t row : rows) {
+      const Cell cell = bins_->cell(row);
+      px += double{1.0} * cell.width * cell.height;
+      if (!exposure_.instant())
+        first = std::max(first,
+                         first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
+    }
+    const double of_cell = options_.max_cell_error_db > 0.0
+                               ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
+                               : std::numeric_limits<double>::infinity();
+    const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * px;
+    for (int count = first;; count *= 2) {
+      double squares = 0.0;
+      for (const std::size_t row : rows) {
+        renderer.begin(bins_->cell(row), bins_->packets(row));
+        for (int k = 0; k < count; ++k)
+          renderer.add(*table.at(2 * k + 1, 2 * count, bins_->cell(row).y),
+                       count > 1 ? estimating_weights(k, count) : InstantWeights{});
+        std::optional<ErrorEstimate> estimate;
+        if (count > 1) squares += estimate.emplace(renderer.squares(), count).squares();
+        const std::size_t i = window_index[row];
+        if (i >= window_cells_.size()) continue;
+        progress_[i].count = progress_[i].instants = count;
+        progress_[i].estimate = estimate;
+        finish_cell(i, renderer);
+      }
+      if (squares <= allowed || 2 * count > most_chosen_instants || control_.stop.stop_requested()) return;
+    }
   }
 
   /// A cell's first instants.

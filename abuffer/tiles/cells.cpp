@@ -141,8 +141,8 @@ class ChangesOf {
       if (cloud_.lifetime.empty()) continue;
       const Lifetime& life = cloud_.lifetime[i];
       const auto during = [&](double frame) { return frame > all_.open && frame < all_.close; };
-      // A jump of a whole pixel is what a silhouette is that passes by.
-      constexpr double jump_px = 32.0;
+      // All its pixels jump at once, which no alternating sum need see.
+      constexpr double jump_px = 256.0;
       if (during(life.born) || during(life.gone)) most = std::max(most, jump_px);
     }
     return most;

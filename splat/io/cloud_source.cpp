@@ -2,16 +2,101 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "splat/io/cloud_keys.h"
 #include "splat/io/match_points.h"
 #include "splat/io/surfel_estimate.h"
 
 namespace swept {
 namespace {
+
+/// Gives guessed sides the side they have in `reference`: else the disc would turn over between the keys.
+void keep_sides(const SurfelPose& reference, EstimatedSurfels& discs) {
+  for (const std::size_t i : discs.unoriented) {
+    Eigen::Vector3f &u = discs.pose.axis_u[i], &v = discs.pose.axis_v[i];
+    if (u.cross(v).dot(reference.axis_u[i].cross(reference.axis_v[i])) < 0.0f) std::swap(u, v);
+  }
+}
+
+void leave_rates(ReadOptions& options) {
+  for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) options.attributes[rate] = "";
+}
+
+ReadOptions read_options(const CloudSource& source) {
+  ReadOptions options;
+  options.attributes = source.attributes;
+  options.delta = source.delta;
+  options.skip_invalid = source.skip_invalid;
+  options.color_range = source.color_range;
+  options.color_space = source.color_space;
+  if (source.velocity_unit == VelocityUnit::ignore) leave_rates(options);
+  options.stamps = source.stamps.has_value();
+  return options;
+}
+
+/// Several keys say themselves how the points move.
+ReadOptions key_options(const CloudSource& source) {
+  ReadOptions options = read_options(source);
+  if (source.files.size() > 1) leave_rates(options);
+  return options;
+}
+
+}  // namespace
+
+namespace io {
+
+Result<EstimatedSurfels> discs_of(PointSet& set, const CloudSource& source) {
+  if (source.radius) set.radius.assign(set.size(), static_cast<float>(*source.radius));
+  Result<EstimatedSurfels> discs = EstimatedSurfels{};
+  if (!set.axis_u.empty()) {
+    discs->pose = {set.position, std::move(set.axis_u), std::move(set.axis_v)};
+  } else if (!set.triangle.empty()) {
+    discs = surfels_from_mesh(set.position, set.triangle);
+  } else {
+    discs = surfels_from_cloud(set);
+  }
+  if (!discs) return discs;
+  SurfelPose& pose = discs->pose;
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    if (!set.radius.empty()) {
+      const Eigen::Vector3d n = pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>());
+      if (!n.isZero(0.0)) round_disc(n, static_cast<double>(set.radius[i]), pose.axis_u[i], pose.axis_v[i]);
+    }
+    pose.axis_u[i] = (source.radius_scale * pose.axis_u[i].cast<double>()).cast<float>();
+    pose.axis_v[i] = (source.radius_scale * pose.axis_v[i].cast<double>()).cast<float>();
+  }
+  return discs;
+}
+
+double velocity_scale(const CloudSource& source) {
+  if (source.velocity_unit == VelocityUnit::per_frame) return 1.0;
+  return static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
+}
+
+void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
+  if (!cloud.keys.empty()) {
+    keep_sides(cloud.keys.back().pose, discs);
+    align_axes(cloud.keys.back().pose, discs.pose);
+  }
+  cloud.keys.push_back({frame, std::move(discs.pose)});
+}
+
+Result<PointSet> read_with_rates(const CloudSource& source, const KeyFile& file) {
+  Result<PointSet> set = read_points(file.path, read_options(source));
+  return set ? std::move(set) : read_points(file.path, key_options(source));
+}
+
+}  // namespace io
+
+namespace {
+
+using io::discs_of;
+using io::KeySpan;
+using io::push_key;
+using io::velocity_scale;
 
 Error option_error(const std::string& field, const std::string& reason) { return {"", field, reason}; }
 
@@ -51,44 +136,6 @@ Status check_files(const CloudSource& source) {
   return Done{};
 }
 
-/// Discs by the best the set has to offer: its own axes, else its triangles, else its nearest points.
-Result<EstimatedSurfels> discs_of(PointSet& set, const CloudSource& source) {
-  if (source.radius) set.radius.assign(set.size(), static_cast<float>(*source.radius));
-  Result<EstimatedSurfels> discs = EstimatedSurfels{};
-  if (!set.axis_u.empty()) {
-    discs->pose = {set.position, std::move(set.axis_u), std::move(set.axis_v)};
-  } else if (!set.triangle.empty()) {
-    discs = surfels_from_mesh(set.position, set.triangle);
-  } else {
-    discs = surfels_from_cloud(set);
-  }
-  if (!discs) return discs;
-  SurfelPose& pose = discs->pose;
-  for (std::size_t i = 0; i < pose.size(); ++i) {
-    if (!set.radius.empty()) {
-      const Eigen::Vector3d n = pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>());
-      if (!n.isZero(0.0)) round_disc(n, static_cast<double>(set.radius[i]), pose.axis_u[i], pose.axis_v[i]);
-    }
-    pose.axis_u[i] = (source.radius_scale * pose.axis_u[i].cast<double>()).cast<float>();
-    pose.axis_v[i] = (source.radius_scale * pose.axis_v[i].cast<double>()).cast<float>();
-  }
-  return discs;
-}
-
-/// Gives guessed sides the side they have in `reference`: else the disc would turn over between the keys.
-void keep_sides(const SurfelPose& reference, EstimatedSurfels& discs) {
-  for (const std::size_t i : discs.unoriented) {
-    Eigen::Vector3f &u = discs.pose.axis_u[i], &v = discs.pose.axis_v[i];
-    if (u.cross(v).dot(reference.axis_u[i].cross(reference.axis_v[i])) < 0.0f) std::swap(u, v);
-  }
-}
-
-/// Frames times this times a stored velocity is a distance.
-double velocity_scale(const CloudSource& source) {
-  if (source.velocity_unit == VelocityUnit::per_frame) return 1.0;
-  return static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
-}
-
 /// Rates of change per frame, of which `order` time units are under the line.
 std::vector<Eigen::Vector3f> per_frame(std::vector<Eigen::Vector3f> rates, int order,
                                        const CloudSource& source) {
@@ -122,43 +169,6 @@ void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded
   for (Eigen::Vector3f& v : loaded.cloud.velocity) v = (frame_seconds * v.cast<double>()).cast<float>();
 }
 
-/// Points that were each seen at a time of their own.
-Status take_stamps(const PointSet& set, double frame, const CloudSource& source, LoadedCloud& loaded) {
-  const TimeStamps& stamps = *source.stamps;
-  if (set.time.empty())
-    return Error{"", "time",
-                 "there are no time stamps; \"attributes\": {\"time\": NAME} says which they are"};
-  SurfelCloud& cloud = loaded.cloud;
-  const double per_unit = stamps.unit == StampUnit::frames ? 1.0
-                                                           : static_cast<double>(source.fps.numerator) /
-                                                                 static_cast<double>(source.fps.denominator);
-  std::vector<double> frames;
-  frames.reserve(set.time.size());
-  for (const double time : set.time) frames.push_back(frame + (time - stamps.zero) * per_unit);
-  if (!stamps.sensor.keys.empty()) {
-    SurfelPose& pose = cloud.keys.front().pose;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      if (!(std::abs(frames[i]) <= most_frame))
-        return Error{"", "time", "point " + std::to_string(i) + " was seen at a frame beyond 1e9"};
-      const Eigen::Affine3d sensor = stamps.sensor.at(frames[i]);
-      const auto turn = [&](Eigen::Vector3f& v) { v = (sensor.linear() * v.cast<double>()).cast<float>(); };
-      pose.position[i] = sensor * pose.position[i];
-      turn(pose.axis_u[i]);
-      turn(pose.axis_v[i]);
-      for (auto* rates : {&cloud.velocity, &cloud.acceleration, &cloud.angular_velocity})
-        if (!rates->empty()) turn((*rates)[i]);
-    }
-  }
-  if (cloud.moves())
-    if (Status s = shift_to_stamps(cloud, frames); !s) return s;
-  const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
-  char text[96];
-  std::snprintf(text, sizeof text, "points were seen from frame %.6g to %.6g, each at a time of its own",
-                *first, *last);
-  loaded.report.assumed.emplace_back(text);
-  return Done{};
-}
-
 /// The rest of what the first key says, after its discs are taken.
 Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame, const CloudSource& source) {
   LoadedCloud loaded;
@@ -183,7 +193,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   loaded.cloud.opacity = std::move(set.opacity);
   take_velocity(set, source, loaded);
   if (source.stamps)
-    if (Status s = take_stamps(set, frame, source, loaded); !s) return s.error();
+    if (Status s = io::take_stamps(set, source, loaded); !s) return s.error();
   return loaded;
 }
 
@@ -194,29 +204,6 @@ Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& sou
   if (normals_unused)
     set.report.assumed.push_back("discs lie along the triangles, and the normals are not used");
   return first_key(std::move(set), *std::move(discs), frame, source);
-}
-
-void leave_rates(ReadOptions& options) {
-  for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) options.attributes[rate] = "";
-}
-
-ReadOptions read_options(const CloudSource& source) {
-  ReadOptions options;
-  options.attributes = source.attributes;
-  options.delta = source.delta;
-  options.skip_invalid = source.skip_invalid;
-  options.color_range = source.color_range;
-  options.color_space = source.color_space;
-  if (source.velocity_unit == VelocityUnit::ignore) leave_rates(options);
-  options.stamps = source.stamps.has_value();
-  return options;
-}
-
-/// Several keys say themselves how the points move.
-ReadOptions key_options(const CloudSource& source) {
-  ReadOptions options = read_options(source);
-  if (source.files.size() > 1) leave_rates(options);
-  return options;
 }
 
 Error in_file(Error error, const std::string& path) {
@@ -231,12 +218,6 @@ Error counts_differ(const std::string& what, const KeyFile& a, std::size_t in_a,
               "; keys must be the same points in the same order, write them out by id, or use one file with "
               "velocities"};
 }
-
-/// The files that are read, files[begin] to files[end − 1].
-struct KeySpan {
-  std::size_t begin = 0, end = 0;
-  std::size_t nearest = 0;  ///< to the middle of what is asked for; of two the earlier
-};
 
 KeySpan span_of(const std::vector<KeyFile>& files, double first, double last, KeyPath path) {
   KeySpan span{0, files.size(), 0};
@@ -254,15 +235,6 @@ KeySpan span_of(const std::vector<KeyFile>& files, double first, double last, Ke
     if (span.end < files.size()) ++span.end;
   }
   return span;
-}
-
-/// Adds a key after those there are, its discs turned to agree with theirs.
-void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
-  if (!cloud.keys.empty()) {
-    keep_sides(cloud.keys.back().pose, discs);
-    align_axes(cloud.keys.back().pose, discs.pose);
-  }
-  cloud.keys.push_back({frame, std::move(discs.pose)});
 }
 
 bool is_rate(const std::string& attribute) {
@@ -304,12 +276,6 @@ Result<LoadedCloud> read_in_order(const CloudSource& source, const KeySpan& span
   return loaded;
 }
 
-/// The file nearest to the middle, with velocities if it has any that are good.
-Result<PointSet> read_nearest(const CloudSource& source, const KeyFile& file) {
-  Result<PointSet> set = read_points(file.path, read_options(source));
-  return set ? std::move(set) : read_points(file.path, key_options(source));
-}
-
 void report_match(const MatchedPoints& matched, const KeyFile& reference, const KeyFile& file, bool moves,
                   ReadReport& report) {
   if (matched.missing > 0) {
@@ -324,10 +290,10 @@ void report_match(const MatchedPoints& matched, const KeyFile& reference, const 
 }
 
 /// Keys with ids.
-Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
+Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span, double from, double to) {
   const std::vector<KeyFile>& files = source.files;
   const KeyFile& nearest = files[span.nearest];
-  Result<PointSet> reference = read_nearest(source, nearest);
+  Result<PointSet> reference = io::read_with_rates(source, nearest);
   if (!reference) return reference.error();
   const auto no_ids = [](const KeyFile& file) {
     return Error{file.path, "id",
@@ -347,7 +313,7 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   SurfelCloud& cloud = loaded.cloud;
   cloud.keys.clear();
   loaded.report.assumed.push_back("points of several files are the same by id");
-  bool all_there = true;
+  bool all_there = true, others_too = false;
   for (std::size_t k = span.begin; k < span.end; ++k) {
     if (k == span.nearest) {
       push_key(std::move(*nearest_discs), nearest.frame, cloud);
@@ -360,12 +326,15 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
         match_by_id(*reference, *other, (files[k].frame - nearest.frame) * velocity_scale(source));
     if (!matched) return in_file(matched.error(), files[k].path);
     all_there = all_there && matched->missing == 0;
+    others_too = others_too || matched->extra > 0;
     compare_reports(other->report, files[k], loaded.report);
     report_match(*matched, nearest, files[k], !reference->velocity.empty(), loaded.report);
     Result<EstimatedSurfels> discs = discs_of(matched->set, source);
     if (!discs) return in_file(discs.error(), files[k].path);
     push_key(*std::move(discs), files[k].frame, cloud);
   }
+  if (!all_there || others_too)
+    if (Status lives = io::take_lives(source, span, from, to, loaded); !lives) return lives.error();
   if (all_there) {
     ReadReport& report = loaded.report;
     for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) {
@@ -416,14 +385,14 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
   std::size_t from = span.begin;
   Result<LoadedCloud> loaded = LoadedCloud{};
   if (several && !set->id.empty()) {
-    loaded = read_by_id(source, span);
+    loaded = read_by_id(source, span, first, last);
     from = span.nearest;
   } else {
     loaded = read_in_order(source, span, *std::move(set));
   }
   if (!loaded && several && loaded.error().field == "points") {
     // Particles come and go. One file says how its own move on, if it has velocities.
-    Result<PointSet> alone = read_nearest(source, files[span.nearest]);
+    Result<PointSet> alone = io::read_with_rates(source, files[span.nearest]);
     if (!alone || (alone->velocity.empty() && alone->acceleration.empty())) return loaded.error();
     from = span.nearest;
     loaded = first_key(*std::move(alone), files[from].frame, source);

@@ -150,6 +150,7 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
     return;
   }
   const auto time = [&](int index) {
+    if (index == 1 << finest) return spans_[span + 1];  // the very number that the next span begins with
     return spans_[span] + static_cast<double>(index) / (1 << finest) * (spans_[span + 1] - spans_[span]);
   };
   segments_.push_back(
