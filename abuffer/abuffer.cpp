@@ -59,6 +59,7 @@ class TileRenderer {
         shades_(shades),
         background_(scene.background.cast<double>()),
         raster_{set.projection, set.near, scene.model.delta,
+                static_cast<std::uint32_t>(shades.size() - set.kernels.size()),
                 scene.shutter.row_delay == 0.0
                     ? 0.0
                     : scene.shutter.row_delay / (scene.shutter.close - scene.shutter.open)},
@@ -302,10 +303,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   out.image = blank_image(scene.film);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
-  std::vector<Shade> shades;
-  shades.reserve(set.kernels.size());
-  for (const MovingKernel& k : set.kernels)
-    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
+  const std::vector<Shade> shades = shades_of(set);
   out.statistics.time("bins", watch.lap());
   // Points that stand still in a cloud that moves are not in it, and then it is of no use.
   std::optional<Image> standing;
@@ -352,6 +350,7 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
                                 const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   if (Status status = check_rows(scene); !status) return status.error();
+  if (Status status = refuse_triangles(scene, "the A-buffer"); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }
 

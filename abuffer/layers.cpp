@@ -42,6 +42,7 @@ struct SeenDisc {
 
 struct Pixel {
   double depth = std::numeric_limits<double>::infinity(), tolerance = 0.0;  ///< of the nearest
+  int side = 0;  ///< likewise: 1 front, −1 back, 0 not known
   double weight = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   Eigen::Vector2d forward = Eigen::Vector2d::Zero(), backward = Eigen::Vector2d::Zero();
@@ -114,8 +115,9 @@ class LayerRenderer {
     kernel.axis_u = disc.axis_u.cast<float>();
     kernel.axis_v = disc.axis_v.cast<float>();
     kernel.facing.setZero();
-    if (!placed.object->two_sided)
-      kernel.facing = (placed.side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    const Eigen::Vector3f outside = (placed.side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    if (!placed.object->two_sided) kernel.facing = outside;
+    if (placed.object->cloud.is_oriented(ref.point)) kernel.outside = outside;
     const double tolerance = scene_.model.depth_tolerance * disc.size;
     constexpr double largest = 1e30;
     Octagon octagon;
@@ -162,7 +164,8 @@ class LayerRenderer {
     }
   }
 
-  /// Calls visit(pixel, disc, point in camera space, weight) where the disc of `ref` is met in the band.
+  /// Calls visit(pixel, disc, point in camera space, side that is seen, weight) where the disc of `ref` is
+  /// met in the band.
   template <class Visit>
   void meet(const Ref& ref, Band& band, const Visit& visit) const {
     const auto disc = disc_of(ref);
@@ -179,16 +182,21 @@ class LayerRenderer {
         if (!(weight > 0.0)) continue;
         const auto pixel = static_cast<std::size_t>(y - band.y) * static_cast<std::size_t>(window_.width) +
                            static_cast<std::size_t>(x - window_.x);
-        visit(band.pixels[pixel], *disc, Eigen::Vector3d(at.z * ray_x, at.z * ray_y, at.z), weight);
+        const int side = !disc->plane.oriented() ? 0 : disc->plane.shows_back(ray_x, ray_y) ? -1 : 1;
+        visit(band.pixels[pixel], *disc, Eigen::Vector3d(at.z * ray_x, at.z * ray_y, at.z), side, weight);
       }
   }
 
   void find_nearest(const Ref& ref, Band& band) const {
-    meet(ref, band, [](Pixel& pixel, const SeenDisc& disc, const Eigen::Vector3d& at, double) {
-      // Of equally near ones the most tolerant leads.
-      if (at.z() > pixel.depth || (at.z() == pixel.depth && disc.tolerance <= pixel.tolerance)) return;
+    meet(ref, band, [](Pixel& pixel, const SeenDisc& disc, const Eigen::Vector3d& at, int side, double) {
+      // Of equally near ones the front leads, and of these the most tolerant.
+      if (at.z() > pixel.depth) return;
+      if (at.z() == pixel.depth &&
+          (side < pixel.side || (side == pixel.side && disc.tolerance <= pixel.tolerance)))
+        return;
       pixel.depth = at.z();
       pixel.tolerance = disc.tolerance;
+      pixel.side = side;
     });
   }
 
@@ -234,8 +242,8 @@ class LayerRenderer {
       const Eigen::Vector3d from_eye = placed.middle.world_from_object * surfel.position - placed.middle.eye;
       if (normal.dot(from_eye) > 0.0) normal = -normal;
     }
-    meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, double weight) {
-      if (at.z() > pixel.depth + pixel.tolerance) return;
+    meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, int side, double weight) {
+      if (at.z() > pixel.depth + pixel.tolerance || side * pixel.side < 0) return;
       pixel.weight += weight;
       pixel.normal += weight * normal;
       if (!choice_.motion) return;
@@ -294,6 +302,7 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
   if (!choice.any()) return std::vector<ImageChannel>();
   if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
   if (Status status = refuse_row_delay(scene, "the pass of the layers"); !status) return status.error();
+  if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
   try {
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);

@@ -406,16 +406,17 @@ Status SampledOptions::validate() const {
 
 Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options,
                                 const RenderControl& control) {
-  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                     [](const Object& object) { return object.splats.size() > 0; });
-  if (of_splats) {
+  const bool mixed = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
+    return object.splats.size() > 0 || !object.triangles.empty();
+  });
+  if (mixed) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (Status status = refuse_row_delay(scene, "the engine of Gaussian splats"); !status)
+    if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
       return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
-    return of_splats ? render_splats(all...) : Renderer(all...).render();
+    return mixed ? render_splats(all...) : Renderer(all...).render();
   });
 }
 

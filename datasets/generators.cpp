@@ -106,7 +106,9 @@ Result<SurfelCloud> generate(const std::string& shape, std::size_t points,
   Result<std::map<std::string, double>> values = complete(parameters_of(*found), parameters);
   if (!values) return values.error();
   try {
-    return found->build(datasets::Request(points, *std::move(values)));
+    Result<SurfelCloud> cloud = found->build(datasets::Request(points, *std::move(values)));
+    if (cloud && found->surface) cloud->oriented.assign(cloud->size(), 1);
+    return cloud;
   } catch (const std::bad_alloc&) {
     return Error{"", "points", "not enough memory for " + std::to_string(points) + " points"};
   }

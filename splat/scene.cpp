@@ -42,7 +42,15 @@ Status validate(const Object& object) {
   if (Status cloud = object.cloud.validate(); !cloud) return within("/cloud", cloud.error());
   if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
   if (object.cloud.size() > 0 && object.splats.size() > 0)
-    return bad("/splats", "an object has either discs or splats");
+    return bad("/splats", "an object has either points or splats");
+  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
+    return bad("/triangles",
+               "lie between points that come and go; \"draw\": \"surfels\" has discs drawn instead");
+  for (std::size_t t = 0; t < object.triangles.size(); ++t)
+    for (const std::uint32_t corner : object.triangles[t])
+      if (corner >= object.cloud.size())
+        return bad("/triangles/" + std::to_string(t),
+                   "names point " + std::to_string(corner) + " of " + std::to_string(object.cloud.size()));
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
     return bad("/segments",
@@ -106,6 +114,15 @@ Status refuse_splats(const Scene& scene, std::string_view renderer) {
                                                       std::string(renderer) +
                                                       " does not draw; --method sampled does, and \"draw\": "
                                                       "\"surfels\" has them read as discs");
+  return Done{};
+}
+
+Status refuse_triangles(const Scene& scene, std::string_view renderer) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (!scene.objects[i].triangles.empty())
+      return bad("/objects/" + std::to_string(i), "is made of triangles, which " + std::string(renderer) +
+                                                      " does not draw; --method sampled does, and \"draw\": "
+                                                      "\"surfels\" has its points drawn as discs");
   return Done{};
 }
 

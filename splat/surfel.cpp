@@ -92,6 +92,7 @@ Status SurfelCloud::validate() const {
       return Error{"", indexed("opacity", i), "must lie in [0, 1]"};
     }
   }
+  if (!oriented.empty() && oriented.size() != n) return wrong_count("oriented", oriented.size(), n);
   return Done{};
 }
 

@@ -1,7 +1,9 @@
 // Surfels: oriented elliptical Gaussian discs, as structure of arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,9 @@
 #include "splat/result.h"
 
 namespace swept {
+
+/// Indices of three points, counter-clockwise as seen from the front.
+using Triangle = std::array<std::uint32_t, 3>;
 
 /// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
 inline constexpr float most_color = 1e30f;
@@ -63,8 +68,12 @@ struct SurfelCloud {
   std::vector<Lifetime> lifetime;      ///< empty: all points exist at any time
   std::vector<Eigen::Vector3f> color;  ///< linear Rec.709, not premultiplied; empty: white
   std::vector<float> opacity;          ///< [0, 1]; empty: 1
+  /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
+  /// 0: it may point either way. Empty: 0 for all.
+  std::vector<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
+  [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
   /// Whether anything changes over time: rates that are all zero are none. These look at every point.
   [[nodiscard]] bool moves() const;
   [[nodiscard]] bool accelerates() const;

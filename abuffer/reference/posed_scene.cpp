@@ -99,6 +99,7 @@ SurfelCloud posed(const SurfelCloud& cloud, double frame) {
     pose.axis_u.emplace_back(at.segment<3>(3).cast<float>());
     pose.axis_v.emplace_back(at.tail<3>().cast<float>());
     if (!cloud.color.empty()) still.color.push_back(cloud.color[i]);
+    if (!cloud.oriented.empty()) still.oriented.push_back(cloud.oriented[i]);
     if (!cloud.opacity.empty()) still.opacity.push_back(cloud.opacity[i]);
   }
   return still;

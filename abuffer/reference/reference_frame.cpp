@@ -50,22 +50,24 @@ PixelBox bounding_box(const Eigen::Vector3d& center, const Eigen::Vector3d& axis
   return {x_begin, y_begin, x_end, y_end};
 }
 
-/// Nearest first. What follows the depth only makes the order total on content. Of equally near fragments the
-/// most tolerant leads, so that a surface is all that is within the tolerance of any of its nearest.
+/// Nearest first; of equally near fragments those that show their front, then those whose side is not known.
+/// What follows only makes the order total on content: of those the most tolerant leads, so that a surface is
+/// all that is within the tolerance of any of its nearest.
 bool before(const Fragment& a, const Fragment& b) {
   const auto key = [](const Fragment& f) {
     const Eigen::Vector4d& c = f.disc->color;
-    return std::make_tuple(f.depth, -f.disc->tolerance, -f.weight, c[0], c[1], c[2], c[3]);
+    return std::make_tuple(f.depth, -f.side, -f.disc->tolerance, -f.weight, c[0], c[1], c[2], c[3]);
   };
   return key(a) < key(b);
 }
 
-/// The fragments that form a surface with the first one.
-std::span<const Fragment> front_surface(std::span<const Fragment> fragments) {
-  const double limit = fragments.front().depth + fragments.front().disc->tolerance;
-  std::size_t count = 1;
-  while (count < fragments.size() && fragments[count].depth <= limit) ++count;
-  return fragments.first(count);
+/// Puts the fragments that form a surface with the first one at the front, all else behind them in its order.
+std::span<const Fragment> front_surface(std::span<Fragment> fragments) {
+  const Fragment nearest = fragments.front();
+  const double limit = nearest.depth + nearest.disc->tolerance;
+  const auto belongs = [&](const Fragment& f) { return f.depth <= limit && f.side * nearest.side >= 0; };
+  const auto rest = std::stable_partition(fragments.begin(), fragments.end(), belongs);
+  return {fragments.begin(), rest};
 }
 
 struct Surface {
@@ -103,6 +105,7 @@ Disc place(const MovingKernel& kernel, double tau, const Projection& projection,
   disc.dual_u = axis_v.cross(disc.normal) / normal_squared;
   disc.dual_v = disc.normal.cross(axis_u) / normal_squared;
   disc.facing = kernel.facing.cast<double>();
+  disc.outside = kernel.outside.cast<double>();
   disc.plane = disc.normal.dot(disc.center);
   disc.weight = kernel.weight;
   disc.tolerance = kernel.depth_tolerance;
@@ -121,13 +124,14 @@ std::optional<Fragment> meet(const Disc& disc, const Eigen::Vector3d& ray, doubl
   const double u = disc.dual_u.dot(from_center), v = disc.dual_v.dot(from_center);
   const double radius_squared = u * u + v * v;
   if (!(radius_squared <= 1.0)) return std::nullopt;
-  return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc};
+  const int side = disc.outside.isZero(0.0) ? 0 : disc.outside.dot(ray) < 0.0 ? 1 : -1;
+  return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc, side};
 }
 
 std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
                   PixelSum& sum) {
   std::sort(fragments.begin(), fragments.end(), before);
-  std::span<const Fragment> rest = fragments;
+  std::span<Fragment> rest = fragments;
   double transmittance = 1.0;
   std::size_t surfaces = 0;
   while (!rest.empty() && transmittance > 0.0) {

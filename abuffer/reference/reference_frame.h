@@ -26,7 +26,7 @@ struct PixelBox {
 struct Disc {
   Eigen::Vector3d center, normal;  ///< normal n = a₁ × a₂, not unit
   Eigen::Vector3d dual_u, dual_v;  ///< a₂ × n / |n|² and n × a₁ / |n|²
-  Eigen::Vector3d facing;
+  Eigen::Vector3d facing, outside;
   double plane = 0.0;  ///< n · center
   double weight = 0.0, tolerance = 0.0;
   Eigen::Vector4d color;  ///< premultiplied RGBA
@@ -38,6 +38,7 @@ struct Fragment {
   double depth = 0.0;
   double weight = 0.0;         ///< ρ
   const Disc* disc = nullptr;  ///< never null
+  int side = 0;                ///< that is seen: 1 front, −1 back, 0 not known
 };
 
 /// Sums over instants, and over the surfaces of each.

@@ -119,8 +119,10 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
   kernel.weight = static_cast<float>(disc.weight);
   kernel.depth_tolerance = static_cast<float>(scene.model.depth_tolerance * disc.size);
   kernel.facing.setZero();
-  if (!object.two_sided)
-    kernel.facing = (double{at.place.mirrored} * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+  const Eigen::Vector3f outside =
+      (double{at.place.mirrored} * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+  if (!object.two_sided) kernel.facing = outside;
+  if (object.cloud.is_oriented(point)) kernel.outside = outside;
   constexpr float largest = 1e30f;
   if (!(kernel.weight > 0.0f) || !kernel.center.allFinite() || !kernel.axis_u.allFinite() ||
       !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest))
@@ -152,7 +154,8 @@ std::optional<GeneralDisc::Fragment> GeneralDisc::meet(int x, int y) const {
   if (!(radius_squared <= 1.0) || !(at.z >= near_) || !(at.z <= largest)) return std::nullopt;
   const auto weight = static_cast<float>(weight_ * std::exp(-delta_ * radius_squared));
   if (!(weight > 0.0f)) return std::nullopt;
-  return Fragment{static_cast<float>(at.z), weight};
+  const float side = !plane_.oriented() ? 0.0f : plane_.shows_back(ray_x, ray_y) ? -1.0f : 1.0f;
+  return Fragment{static_cast<float>(at.z), weight, side};
 }
 
 }  // namespace swept

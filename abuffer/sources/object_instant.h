@@ -54,6 +54,7 @@ class GeneralDisc {
 
   struct Fragment {
     float depth, weight;
+    float side;  ///< as side_number()
   };
   /// At the centre of the film's pixel (x, y).
   [[nodiscard]] std::optional<Fragment> meet(int x, int y) const;

@@ -63,7 +63,9 @@ class Content {
     if (!cloud_.color.empty())
       for (int i = 0; i < 3; ++i)
         if (cloud_.color[a][i] != cloud_.color[b][i]) return cloud_.color[a][i] < cloud_.color[b][i];
-    return !cloud_.opacity.empty() && cloud_.opacity[a] < cloud_.opacity[b];
+    if (!cloud_.opacity.empty() && cloud_.opacity[a] != cloud_.opacity[b])
+      return cloud_.opacity[a] < cloud_.opacity[b];
+    return !cloud_.oriented.empty() && cloud_.oriented[a] < cloud_.oriented[b];
   }
 
   [[nodiscard]] std::uint64_t hash(std::size_t i) const {
@@ -86,6 +88,7 @@ class Content {
     if (!cloud_.color.empty())
       for (int k = 0; k < 3; ++k) mix(double{cloud_.color[i][k]});
     if (!cloud_.opacity.empty()) mix(double{cloud_.opacity[i]});
+    if (!cloud_.oriented.empty()) mix(double{cloud_.oriented[i] != 0 ? 1.0 : 0.0});
     return hash;
   }
 
@@ -160,6 +163,14 @@ void pack_colors(const SurfelCloud& cloud, PointPackets& packets) {
   packets.opaque = std::all_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o == 1.0f; });
 }
 
+void pack_sides(const SurfelCloud& cloud, PointPackets& packets) {
+  if (std::none_of(cloud.oriented.begin(), cloud.oriented.end(), [](auto known) { return known != 0; }))
+    return;
+  packets.oriented.assign(packets.count, 0u);
+  for (std::size_t i = 0; i < packets.points.size(); ++i)
+    if (cloud.is_oriented(packets.points[i])) packets.oriented[i / packet_size] |= 1u << i % packet_size;
+}
+
 PointPackets pack(const Object& object, const Exposure& exposure) {
   const SurfelCloud& cloud = object.cloud;
   PointPackets packets;
@@ -179,6 +190,7 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
     packets.lanes.back() = (1u << rest) - 1u;
   pack_poses(cloud, poses, packets);
   pack_colors(cloud, packets);
+  pack_sides(cloud, packets);
   return packets;
 }
 
@@ -212,7 +224,7 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
                          std::size_t which) { return poses[which].data() + fields * p * packet_size; };
   const bool keyed = axes.size() > 1;
   const float *offset = field(offsets, 3, pose), *axis = field(axes, 6, keyed ? pose : 0);
-  PacketPoints found{offset, nullptr, axis, nullptr, blend, lanes[p]};
+  PacketPoints found{offset, nullptr, axis, nullptr, blend, lanes[p], oriented.empty() ? 0 : oriented[p]};
   if (moves && degree == 1) {
     found.offset_after = field(offsets, 3, pose + 1);
     if (keyed) found.axes_after = field(axes, 6, pose + 1);
@@ -252,14 +264,14 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
 std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
   std::size_t bytes = 0;
   for (const Object& object : scene.objects) {
-    if (object.cloud.size() == 0) continue;
+    if (object.discs() == 0) continue;
     const std::size_t stretches = pose_frames(object.cloud, exposure).size() - 1;
     const std::size_t poses = stretches * path_degree(object.cloud) + 1;
     const std::size_t turning = object.cloud.keys.size() == 1 ? 1 : poses;
     const std::size_t packets = (object.cloud.size() + packet_size - 1) / packet_size;
     const std::size_t a_lane = sizeof(float) * (3 * poses + 6 * turning + 4) + sizeof(std::uint32_t);
-    bytes += packets *
-             (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) + sizeof(std::uint32_t));
+    bytes += packets * (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) +
+                        sizeof(std::uint32_t) * (object.cloud.oriented.empty() ? 1 : 2));
   }
   return bytes;
 }
@@ -267,7 +279,7 @@ std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
 std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.cloud.size() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
+    if (object.discs() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
       objects.push_back(pack(object, exposure));
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());

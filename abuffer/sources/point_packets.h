@@ -35,10 +35,11 @@ struct PointPackets {
   std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
   std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
   std::vector<std::vector<float>> axes;               ///< by pose, or of all poses; 6 · 16 a packet
-  std::vector<float> colors;          ///< red, green, blue times opacity, opacity; 4 · 16 a packet
-  std::vector<float> radius;          ///< of the sphere about the origin that holds the discs
-  std::vector<std::uint32_t> lanes;   ///< that hold a point, a bit each
-  std::vector<std::uint32_t> points;  ///< index of each lane in the object's cloud
+  std::vector<float> colors;            ///< red, green, blue times opacity, opacity; 4 · 16 a packet
+  std::vector<float> radius;            ///< of the sphere about the origin that holds the discs
+  std::vector<std::uint32_t> lanes;     ///< that hold a point, a bit each
+  std::vector<std::uint32_t> oriented;  ///< likewise, and whose front and back are told apart; empty: none
+  std::vector<std::uint32_t> points;    ///< index of each lane in the object's cloud
   bool opaque = true;
 
   /// Packet `p`. What is returned may lie in `scratch`.

@@ -41,6 +41,23 @@ bool delay(MovingKernel& kernel, double later) {
 
 }  // namespace
 
+std::vector<Shade> shades_of(const KernelSet& set) {
+  const bool any_oriented = std::any_of(set.kernels.begin(), set.kernels.end(),
+                                        [](const MovingKernel& k) { return !k.outside.isZero(0.0f); });
+  std::vector<Shade> shades;
+  shades.reserve((any_oriented ? 2 : 1) * set.kernels.size());
+  for (const MovingKernel& k : set.kernels)
+    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]},
+                      k.depth_tolerance,
+                      k.outside.isZero(0.0f) ? Side::unknown : Side::front});
+  if (!any_oriented) return shades;
+  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
+    shades.push_back(shades[k]);
+    shades.back().side = Side::back;
+  }
+  return shades;
+}
+
 void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t kernel, FragmentArrays& out) {
   const Ticks t_begin = ticks_of(f.t_begin), t_end = ticks_of(f.t_end);
   const float peak = static_cast<float>(f.peak);
@@ -70,6 +87,9 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
   MovingKernel kernel = of_all_rows;
   KernelPlane<double> plane(kernel);
   const double per_pixel = 1.0 / model.projection.focal_px;
+  // Of a one-sided disc the back is not seen.
+  const bool oriented = plane.oriented() && model.backs != 0;
+  const std::uint32_t back_index = kernel_index + model.backs;
   const Row rows = rows_of(octagon, window);
   for (int y = rows.first; y < rows.last; ++y) {
     const Row row = row_of(octagon, window, y);
@@ -88,7 +108,8 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
       RayFragment<double> fragment;
       if (intersect_tube<double>(plane.along(ray_x, ray_y), kernel.t_begin, kernel.t_end, model.near,
                                  model.delta, kernel.weight, fragment))
-        append(fragment, row_start + static_cast<std::uint32_t>(x), kernel_index, fragments);
+        append(fragment, row_start + static_cast<std::uint32_t>(x),
+               oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index, fragments);
     }
   }
 }

@@ -174,6 +174,10 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   LoadedCloud loaded;
   loaded.report = std::move(set.report);
   loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
+  if (discs.oriented && discs.unoriented.size() < loaded.cloud.size()) {
+    loaded.cloud.oriented.assign(loaded.cloud.size(), 1);
+    for (const std::size_t i : discs.unoriented) loaded.cloud.oriented[i] = 0;
+  }
   loaded.notes = std::move(set.notes);
   loaded.notes.insert(loaded.notes.end(), discs.notes.begin(), discs.notes.end());
   loaded.cloud.color = std::move(set.color);
@@ -191,6 +195,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
         color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);
+  loaded.triangles = std::move(set.triangle);
   take_velocity(set, source, loaded);
   if (source.stamps)
     if (Status s = io::take_stamps(set, source, loaded); !s) return s.error();

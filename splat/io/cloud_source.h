@@ -62,6 +62,7 @@ struct CloudSource {
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
+  std::vector<Triangle> triangles;  ///< of meshes, between points of the cloud
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };
@@ -72,7 +73,8 @@ struct LoadedCloud {
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
 /// at or after `last`, and those between. Axes come from the file; else from its triangles; else from the
-/// nearest points. Every key's axes are aligned to those of the key before.
+/// nearest points. Discs are oriented where the first file read has a normal or triangles for them. Every
+/// key's axes are aligned to those of the key before.
 ///
 /// Without ids, colours, opacities and triangles are those of the first file read. With ids, the points are
 /// those of the file nearest to the middle of [first, last] (the earlier of two), and so are colours and

@@ -130,6 +130,9 @@ void add_looks(const std::vector<Run>& runs, const std::vector<File>& files, std
       }
       cloud.color.push_back(color);
     }
+    const bool known = file.discs.oriented && !file.unoriented[i];
+    if (cloud.oriented.empty() && known) cloud.oriented.assign(r, 0);
+    if (!cloud.oriented.empty()) cloud.oriented.push_back(known ? 1 : 0);
     if (!cloud.opacity.empty())
       cloud.opacity.push_back(file.set.opacity.empty() ? 1.0f : file.set.opacity[i]);
   }

@@ -48,7 +48,7 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (const Status valid = cloud->validate(); !valid) return valid.error();
   if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}, {}};
+  return LoadedCloud{std::move(*cloud), {}, {}, {}};
 }
 
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
@@ -120,6 +120,9 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
     notes = std::move(lines);
     for (std::string& line : report.lines()) notes.push_back(std::move(line));
   };
+  if (source.draw == DrawAs::triangles && (source.radius || source.radius_scale != 1.0))
+    return Error{path_, source.pointer + (source.radius ? "/radius" : "/radius_scale"),
+                 "means nothing to triangles, which have no discs"};
   if (io::draws_splats(source)) {
     Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_.fps);
     if (!loaded)
@@ -132,7 +135,13 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   }
   Result<LoadedCloud> loaded = load(source, generator);
   if (!loaded) return loaded.error();
+  if (source.sideless) loaded->cloud.oriented.clear();
   scene_.objects[i].cloud = std::move(loaded->cloud);
+  if (source.draw == DrawAs::triangles) {
+    if (loaded->triangles.empty())
+      return Error{path_, source.pointer + "/draw", "the source holds no triangles to draw"};
+    scene_.objects[i].triangles = std::move(loaded->triangles);
+  }
   note(std::move(loaded->notes), loaded->report);
   return Done{};
 }
@@ -147,6 +156,7 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
     if (state.keep) continue;
     // Before the next one is read, so that two never share the memory.
     scene_.objects[i].cloud = {};
+    scene_.objects[i].triangles = {};
     scene_.objects[i].splats = {};
     state.notes.clear();
     try {

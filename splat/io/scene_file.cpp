@@ -46,10 +46,14 @@ void override_fields(const FieldValues& values, const std::string& path, Scene& 
   }
 }
 
+const char* name_of(DrawAs draw) {
+  return draw == DrawAs::splats ? "splats" : draw == DrawAs::surfels ? "surfels" : "triangles";
+}
+
 /// What the file and the overrides lead to, whatever of it is spelt out in the file.
 std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
-  if (overrides.draw) text.push_back(*overrides.draw == DrawAs::splats ? "splats" : "surfels");
+  if (overrides.draw) text.push_back(name_of(*overrides.draw));
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
   return text.dump();
@@ -170,7 +174,9 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
     file.points_scale_ = overrides.points_scale;
     if (overrides.draw)
       for (ObjectSource& source : file.sources_)
-        if (std::holds_alternative<FileSource>(source.points)) source.draw = overrides.draw;
+        if (std::holds_alternative<FileSource>(source.points) ||
+            (overrides.draw != DrawAs::splats && std::holds_alternative<SequenceSource>(source.points)))
+          source.draw = overrides.draw;
     if (const Status valid = file.scene_.validate(); !valid)
       return Error{path, valid.error().field, valid.error().reason};
     document->erase("$schema");

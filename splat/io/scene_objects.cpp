@@ -209,11 +209,15 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   }
   if (const auto radius = node.find("radius")) source.radius = radius->positive();
   if (const auto scale = node.find("radius_scale")) source.radius_scale = scale->positive();
-  if (const auto facing = node.find("facing"))
-    object.two_sided = facing->one_of({"two_sided", "one_sided"}) == 0;
+  if (const auto facing = node.find("facing")) {
+    const auto which = facing->one_of({"two_sided", "one_sided", "sideless"});
+    object.two_sided = which != 1;
+    source.sideless = which == 2;
+  }
   if (const auto draw = node.find("draw")) {
-    if (!file) draw->fail("goes with a single \"file\"");
-    source.draw = draw->one_of({"splats", "surfels"}) == 0 ? DrawAs::splats : DrawAs::surfels;
+    source.draw = static_cast<DrawAs>(draw->one_of({"splats", "surfels", "triangles"}));
+    if (generator) draw->fail("goes with files");
+    if (source.draw == DrawAs::splats && !file) draw->fail("goes with a single \"file\"");
   }
   if (const auto stamps = node.find("stamps")) {
     if (!file) stamps->fail("goes with a single \"file\"");

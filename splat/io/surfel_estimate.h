@@ -24,6 +24,7 @@ inline constexpr double kRadiusPerSpacing = 1.25;
 struct EstimatedSurfels {
   SurfelPose pose;
   std::vector<std::size_t> unoriented;  ///< increasing
+  bool oriented = false;                ///< of all others a₁ × a₂ is known to point outside
   std::vector<std::string> notes;
 };
 

@@ -71,6 +71,7 @@ Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points) {
                             " points estimated from the 12 nearest points; which side is front is not known");
   }
 
+  surfels.oriented = true;
   surfels.pose.position = points.position;
   surfels.pose.axis_u.resize(count);
   surfels.pose.axis_v.resize(count);

@@ -138,6 +138,7 @@ Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Tri
   }
 
   EstimatedSurfels surfels;
+  surfels.oriented = true;
   surfels.pose.position = positions;
   surfels.pose.axis_u.assign(count, Eigen::Vector3f::Zero());
   surfels.pose.axis_v.assign(count, Eigen::Vector3f::Zero());

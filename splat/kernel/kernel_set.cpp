@@ -27,11 +27,12 @@ std::uint64_t every_third_bit(std::uint64_t v) {
 
 bool content_less(const MovingKernel& a, const MovingKernel& b) {
   const auto content = [](const MovingKernel& k) {
-    return std::array<double, 24>{
-        k.center.x(),      k.center.y(), k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
-        k.axis_u.x(),      k.axis_u.y(), k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
-        k.facing.x(),      k.facing.y(), k.facing.z(), k.t_begin,      k.t_end,        k.weight,
-        k.depth_tolerance, k.color.x(),  k.color.y(),  k.color.z(),    k.color.w(),    0.0};
+    return std::array<double, 27>{
+        k.center.x(),      k.center.y(),  k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
+        k.axis_u.x(),      k.axis_u.y(),  k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
+        k.facing.x(),      k.facing.y(),  k.facing.z(), k.t_begin,      k.t_end,        k.weight,
+        k.depth_tolerance, k.color.x(),   k.color.y(),  k.color.z(),    k.color.w(),    k.outside.x(),
+        k.outside.y(),     k.outside.z(), 0.0};
   };
   return content(a) < content(b);
 }
@@ -96,8 +97,8 @@ class Builder {
   }
 
   void add(const Object& object) {
-    out_.surfels += object.cloud.size();
-    if (object.cloud.size() == 0) return;
+    out_.surfels += object.discs();
+    if (object.discs() == 0) return;
     const Exposure all = exposure_.of_all_rows(scene_.film.height);
     if (cuts_by_point(scene_, object, exposure_))
       add_by_point(object, all);
@@ -227,7 +228,12 @@ class Builder {
       return;
     }
     // Normalised before it becomes a float: the product of two tiny axes would underflow.
-    if (!object.two_sided) kernel.facing = (side_ * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    const bool oriented = object.cloud.is_oriented(i);
+    if (!object.two_sided || oriented) {
+      const Eigen::Vector3f outside = (side_ * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+      if (!object.two_sided) kernel.facing = outside;
+      if (oriented) kernel.outside = outside;
+    }
     if (!object.cloud.lifetime.empty() && !clip_to_lifetime(object.cloud.lifetime[i], kernel)) return;
     const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
     kernel.color.head<3>() =

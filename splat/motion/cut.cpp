@@ -167,7 +167,7 @@ const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_
 }
 
 bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exposure) {
-  if (stands_still(scene, object, exposure) || object.cloud.size() == 0) return false;
+  if (stands_still(scene, object, exposure) || object.discs() == 0) return false;
   if (exposure.row_delay != 0.0) return true;
   return object.segments == 0 && scene.model.segments == 0 &&
          (object.cloud.curved() || scene.motion.tolerance_px > 0.0);
