@@ -101,6 +101,8 @@ Status GpuRenderOptions::validate() const {
 Status check_gpu_scene(const Scene& scene) {
   return without_throwing("to check the scene", [&]() -> Status {
     if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_row_delay(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_lifetimes(scene, "the GPU"); !status) return status;
     if (Status status = refuse_triangles(scene, "the GPU"); !status) return status;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const PointArray<float>& opacity = scene.objects[i].cloud.opacity;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "abuffer/reference/mesh_reference.h"
+#include "abuffer/reference/posed_scene.h"
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/render_valid.h"
@@ -126,6 +128,49 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   return rendered;
 }
 
+/// Row by row, each exposed at its own time.
+template <class Rebuild>
+Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, const Scene& scene,
+                             const ReferenceOptions& options, const RenderControl& control) {
+  Rendered whole;
+  whole.image = blank_image(scene.film);
+  const Image& window = whole.image;
+  double squares = 0.0;
+  for (int y = window.y; y < window.y + window.height; ++y) {
+    const Exposure of_row = exposure.of_row(y);
+    Scene row;
+    row.film = scene.film;
+    row.film.crop_x = window.x;
+    row.film.crop_y = y;
+    row.film.crop_width = window.width;
+    row.film.crop_height = 1;
+    row.model = scene.model;
+    row.background = scene.background;
+    RenderControl quiet = control;
+    quiet.progress = {};
+    Result<Rendered> rendered = render({[&](double tau) -> const KernelSet& { return rebuild(tau, of_row); },
+                                        of_row.instant(), "the true path, row by row"},
+                                       row, options, quiet);
+    if (!rendered) return rendered;
+    const auto width = static_cast<std::size_t>(window.width),
+               first = static_cast<std::size_t>(y - window.y) * width;
+    std::copy(rendered->image.rgba.begin(), rendered->image.rgba.end(),
+              whole.image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * first));
+    std::copy(rendered->image.depth.begin(), rendered->image.depth.end(),
+              whole.image.depth.begin() + static_cast<std::ptrdiff_t>(first));
+    const double error = rendered->statistics.counter("reference_error_rmse").value_or(0.0);
+    squares += error * error;
+    if (control.progress) control.progress(static_cast<double>(y + 1 - window.y) / window.height);
+  }
+  const double error = std::sqrt(squares / window.height);
+  whole.statistics.count("samples", options.samples);
+  whole.statistics.effect("motion blur: " + std::to_string(options.samples) +
+                          " still images of the true path for each row");
+  whole.statistics.count("reference_error_rmse", error);
+  whole.statistics.count("reference_error_psnr_db", -20.0 * std::log10(error));
+  return whole;
+}
+
 Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
                                  const ReferenceOptions& options, const RenderControl& control) {
   const auto same_for_all = [&](double) -> const KernelSet& { return kernels; };
@@ -140,15 +185,22 @@ Result<Rendered> render_smooth(const Scene& scene, const ReferenceOptions& optio
   const Exposure exposure = scene.exposure();
   KernelSet kernels;
   double seconds = 0.0;
-  const auto rebuild = [&](double tau) -> const KernelSet& {
+  std::optional<reference::PosedScene> posed;
+  if (reference::has_own_paths(scene)) posed.emplace(scene);
+  const auto rebuild = [&](double tau, const Exposure& exposed) -> const KernelSet& {
     Stopwatch watch;
-    const double frame = exposure.at(tau);
-    kernels = build_kernels(scene, {frame, frame});
+    const double frame = exposed.at(tau);
+    kernels = build_kernels(posed ? posed->at(frame) : scene, {frame, frame});
     seconds += watch.lap();
     return kernels;
   };
+  const bool still = nothing_moves(scene, exposure);
   Result<Rendered> rendered =
-      render({rebuild, nothing_moves(scene, exposure), "the true path"}, scene, options, control);
+      still || exposure.row_delay == 0.0
+          ? render({[&](double tau) -> const KernelSet& { return rebuild(tau, exposure); }, still,
+                    "the true path"},
+                   scene, options, control)
+          : render_rows(rebuild, exposure, scene, options, control);
   if (!rendered) return rendered;
   add_kernel_counts(kernels, rendered->statistics);
   rendered->statistics.time("kernels", seconds);
@@ -178,8 +230,10 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     if (Status status = control.validate(); !status) return status.error();
     return render_splat_reference(scene, {options.samples, control.threads}, control);
   }
-  return render_valid(scene, options, control, [&](const auto&...) {
+  return render_valid(scene, options, control, [&](const auto&...) -> Result<Rendered> {
     if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options, control);
+    if (Status status = refuse_row_delay(scene, "the reference along segments"); !status)
+      return status.error();
     Stopwatch watch;
     const KernelSet kernels = build_kernels(scene);
     const double seconds = watch.lap();
