@@ -19,6 +19,7 @@
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 #include "splat/motion/instant.h"
+#include "splat/overscan.h"
 
 namespace swept {
 namespace {
@@ -303,7 +304,11 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
   try {
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute([&] { return LayerRenderer(scene, choice).render(); });
+    return arena.execute([&] {
+      if (!scene.film.has_overscan()) return LayerRenderer(scene, choice).render();
+      const Scene wide = widened(scene);
+      return LayerRenderer(wide, choice).render();
+    });
   } catch (const std::bad_alloc&) {
     return Error{"", "", "not enough memory for the layers"};
   }

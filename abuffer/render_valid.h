@@ -7,6 +7,7 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
+#include "splat/overscan.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
@@ -38,7 +39,10 @@ template <class Options, class Render>
   if (Status status = options.validate(); !status) return status.error();
   if (Status status = control.validate(); !status) return status.error();
   if (Status status = scene.validate(); !status) return status.error();
-  return run_in_arena(control, [&]() -> Result<Rendered> { return render(scene, options, control); });
+  return run_in_arena(control, [&]() -> Result<Rendered> {
+    return render_overscan(
+        scene, [&](const Scene& on_film) -> Result<Rendered> { return render(on_film, options, control); });
+  });
 }
 
 }  // namespace swept

@@ -3,19 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/render_valid.h"
+#include "splat/lens_points.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
 namespace {
 
-/// The kernels that exist at a shutter time. The set lives until the next call.
-using KernelsAt = std::function<const KernelSet&(double tau)>;
+/// The kernels that exist at a shutter time, through that point of the lens. The set lives until the next
+/// call.
+using KernelsAt = std::function<const KernelSet&(double tau, const Eigen::Vector2d& lens_point)>;
+
+struct Source {
+  KernelsAt kernels_at;
+  bool still = false;
+  const char* motion = "";
+  std::vector<Eigen::Vector2d> lens = {Eigen::Vector2d::Zero()};  ///< the points it is looked through
+};
 
 /// Says how many still images of all are done.
 class Progress {
@@ -34,12 +45,13 @@ class Progress {
 };
 
 /// Adds the still images at the midpoints of `samples` strata of the shutter. False: stopped on the way.
-bool expose(const KernelsAt& kernels_at, int samples, Progress& progress, reference::FrameSum& sum) {
-  for (int i = 0; i < samples; ++i) {
-    const double tau = (i + 0.5) / samples;
-    sum.add(kernels_at(tau), tau);
-    if (!progress.one_more()) return false;
-  }
+bool expose(const Source& source, int samples, Progress& progress, reference::FrameSum& sum) {
+  for (const Eigen::Vector2d& point : source.lens)
+    for (int i = 0; i < samples; ++i) {
+      const double tau = (i + 0.5) / samples;
+      sum.add(source.kernels_at(tau, point), tau);
+      if (!progress.one_more()) return false;
+    }
   return true;
 }
 
@@ -67,12 +79,6 @@ void add_kernel_counts(const KernelSet& set, Statistics& statistics) {
   statistics.count("culled_near", static_cast<double>(set.culled_near));
 }
 
-struct Source {
-  KernelsAt kernels_at;
-  bool still = false;
-  const char* motion = "";
-};
-
 Result<Rendered> render(const Source& source, const Scene& scene, const ReferenceOptions& options,
                         const RenderControl& control) {
   Rendered rendered;
@@ -81,8 +87,9 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
 
   Stopwatch watch;
   reference::FrameSum sum(scene.film, scene.model, scene.background);
-  Progress progress(control, source.still ? 1 : samples + samples / 2);
-  if (!expose(source.kernels_at, samples, progress, sum)) return stopped_error();
+  Progress progress(control,
+                    static_cast<int>(source.lens.size()) * (source.still ? 1 : samples + samples / 2));
+  if (!expose(source, samples, progress, sum)) return stopped_error();
   rendered.image = sum.mean();
   statistics.time("still images", watch.lap());
 
@@ -90,7 +97,7 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   double error = 0.0;
   if (!source.still) {
     reference::FrameSum half(scene.film, scene.model, scene.background);
-    if (!expose(source.kernels_at, samples / 2, progress, half)) return stopped_error();
+    if (!expose(source, samples / 2, progress, half)) return stopped_error();
     error = rmse_of_rgb(rendered.image, half.mean()) / std::sqrt(6.0);
     instants += half.instants(), fragments += half.fragments(), surfaces += half.surfaces();
     statistics.time("error estimate", watch.lap());
@@ -110,30 +117,47 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
 
 Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
                                  const ReferenceOptions& options, const RenderControl& control) {
-  const auto same_for_all = [&](double) -> const KernelSet& { return kernels; };
+  if (Status status = refuse_lens(scene, "a picture of given kernels"); !status) return status.error();
+  const auto same_for_all = [&](double, const Eigen::Vector2d&) -> const KernelSet& { return kernels; };
   Result<Rendered> rendered =
-      render({same_for_all, nothing_moves(kernels), "linear segments"}, scene, options, control);
+      render({same_for_all, nothing_moves(kernels), "linear segments", {Eigen::Vector2d::Zero()}}, scene,
+             options, control);
   if (rendered) add_kernel_counts(kernels, rendered->statistics);
   return rendered;
 }
 
-Result<Rendered> render_smooth(const Scene& scene, const ReferenceOptions& options,
-                               const RenderControl& control) {
+/// Along the true path, or through a lens along segments.
+Result<Rendered> render_built(const Scene& scene, const ReferenceOptions& options,
+                              const RenderControl& control) {
   const Exposure exposure = scene.exposure();
+  const bool smooth = options.motion == ReferenceMotion::smooth;
+  // Only a lens needs another eye, and then a scene of its own.
+  std::optional<Scene> moved;
+  if (scene.camera.aperture.radius > 0.0) {
+    moved = scene;
+    moved->camera.aperture = {};
+  }
   KernelSet kernels;
   double seconds = 0.0;
-  const auto rebuild = [&](double tau) -> const KernelSet& {
+  const auto rebuild = [&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
+    const bool same_eye = !moved || moved->camera.lens_point == point;
+    if (!smooth && same_eye && kernels.surfels > 0) return kernels;
     Stopwatch watch;
+    if (moved) moved->camera.lens_point = point;
+    const Scene& seen = moved ? *moved : scene;
     const double frame = exposure.at(tau);
-    kernels = build_kernels(scene, {frame, frame});
+    kernels = smooth ? build_kernels(seen, {frame, frame}) : build_kernels(seen);
     seconds += watch.lap();
     return kernels;
   };
   Result<Rendered> rendered =
-      render({rebuild, nothing_moves(scene, exposure), "the true path"}, scene, options, control);
+      render({rebuild, nothing_moves(scene, exposure), smooth ? "the true path" : "linear segments",
+              lens_points(scene.camera.aperture, lens_point_count(scene))},
+             scene, options, control);
   if (!rendered) return rendered;
   add_kernel_counts(kernels, rendered->statistics);
   rendered->statistics.time("kernels", seconds);
+  if (moved) rendered->statistics.count("lens_points", lens_point_count(scene));
   return rendered;
 }
 
@@ -148,6 +172,8 @@ Status ReferenceOptions::validate() const {
 
 Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
                                   const ReferenceOptions& options, const RenderControl& control) {
+  if (scene.film.has_overscan())
+    return Error{"", "/film/overscan", "is no part of the picture that given kernels are of"};
   return render_valid(scene, options, control,
                       [&](const auto&...) { return render_segments(kernels, scene, options, control); });
 }
@@ -155,13 +181,20 @@ Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
 Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                   const RenderControl& control) {
   if (Status status = options.validate(); !status) return status.error();
-  if (!refuse_splats(scene, "this")) return render_splat_reference(scene, {options.samples, control.threads});
-  return render_valid(scene, options, control, [&](const auto&...) {
-    if (options.motion == ReferenceMotion::smooth) return render_smooth(scene, options, control);
+  if (!refuse_splats(scene, "this")) {
+    if (Status status = refuse_lens(scene, "the reference of Gaussian splats"); !status)
+      return status.error();
+    return render_overscan(scene, [&](const Scene& on_film) {
+      return render_splat_reference(on_film, {options.samples, control.threads});
+    });
+  }
+  return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) {
+    if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)
+      return render_built(on_film, options, control);
     Stopwatch watch;
-    const KernelSet kernels = build_kernels(scene);
+    const KernelSet kernels = build_kernels(on_film);
     const double seconds = watch.lap();
-    Result<Rendered> rendered = render_segments(kernels, scene, options, control);
+    Result<Rendered> rendered = render_segments(kernels, on_film, options, control);
     if (rendered) rendered->statistics.time("kernels", seconds);
     return rendered;
   });

@@ -30,6 +30,9 @@ struct ObjectInstant {
   double enlarges = 1.0;  ///< most that a length grows from object to camera space
   std::size_t pose = 0;   ///< of PointPackets, and how far on to the next
   double blend = 0.0;
+  /// Of a scene with a lens: radius times focal length, and 1 / focus. bounds() contains what any point of
+  /// the lens sees then.
+  double lens_px = 0.0, per_focus = 0.0;
 
   /// At `frame`, the projection being that of this very instant.
   ObjectInstant(const Scene& scene, const PointPackets& packets, double frame);
