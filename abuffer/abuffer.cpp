@@ -333,6 +333,7 @@ Status AbufferOptions::validate() const {
 Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options,
                                 const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
+  if (Status status = refuse_triangles(scene, "the A-buffer"); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }
 

@@ -3,13 +3,14 @@
 
 #include <cstddef>
 
+#include "splat/export.h"
 #include "splat/interval/composite.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// None of these changes a bit of the image but `normalisation`.
 struct AbufferOptions {

@@ -7,15 +7,13 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
-#include <new>
 #include <optional>
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "abuffer/parallel.h"
+#include "abuffer/render_valid.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 #include "splat/motion/instant.h"
@@ -80,10 +78,11 @@ class LayerRenderer {
     }
   }
 
-  std::vector<ImageChannel> render() {
+  std::vector<ImageChannel> render(const std::stop_token& stop) {
     bin();
     name_channels();
     parallel_for_each_index(bands_.size(), [&](std::size_t index) {
+      throw_if_stopped(stop);
       const int y = static_cast<int>(index) * band_height;
       Band band{window_.y + y, std::min(band_height, window_.height - y), {}};
       band.pixels.resize(static_cast<std::size_t>(band.height) * static_cast<std::size_t>(window_.width));
@@ -297,21 +296,22 @@ class LayerRenderer {
 
 Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,
                                                 const RenderControl& control) {
-  if (Status status = control.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  if (!choice.any()) return std::vector<ImageChannel>();
-  if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
-  try {
-    const int available = tbb::info::default_concurrency();
-    tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute([&] {
-      if (!scene.film.has_overscan()) return LayerRenderer(scene, choice).render();
-      const Scene wide = widened(scene);
-      return LayerRenderer(wide, choice).render();
-    });
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory for the layers"};
-  }
+  using Layers = Result<std::vector<ImageChannel>>;
+  return without_throwing("for the layers", [&]() -> Layers {
+    if (Status status = control.validate(); !status) return status.error();
+    if (Status status = scene.validate(); !status) return status.error();
+    if (!choice.any()) return std::vector<ImageChannel>();
+    if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
+    if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
+    return run_in_arena(
+        control,
+        [&]() -> Layers {
+          if (!scene.film.has_overscan()) return LayerRenderer(scene, choice).render(control.stop);
+          const Scene wide = widened(scene);
+          return LayerRenderer(wide, choice).render(control.stop);
+        },
+        "for the layers");
+  });
 }
 
 }  // namespace swept

@@ -50,13 +50,15 @@ class Renderer {
   Result<Rendered> render() {
     if (scene_.camera.aperture.radius > 0.0) {
       if (options_.max_seconds > 0.0)
-        return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through"};
+        return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
+                     ErrorKind::unsupported};
       if (options_.error_channel) return Error{"", "error_channel", "a lens has no estimate of its error"};
       lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
     }
     const std::size_t bytes = packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
       return Error{"", "max_bytes",
                    "points and what is kept of cells between refinements take " +
@@ -365,15 +367,17 @@ Status SampledOptions::validate() const {
 
 Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options,
                                 const RenderControl& control) {
-  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                     [](const Object& object) { return object.splats.size() > 0; });
-  if (of_splats) {
+  const bool mixed = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
+    return object.splats.size() > 0 || !object.triangles.empty();
+  });
+  if (mixed) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (Status status = refuse_lens(scene, "the engine of Gaussian splats"); !status) return status.error();
+    if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
+      return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
-    return of_splats ? render_splats(all...) : Renderer(all...).render();
+    return mixed ? render_splats(all...) : Renderer(all...).render();
   });
 }
 

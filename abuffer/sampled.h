@@ -2,12 +2,13 @@
 // film as the error asked for takes. Source: model section 12.
 #pragma once
 
+#include "splat/export.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct SampledOptions {
   /// Instants in every cell in which something moves, at the midpoints of so many strata of the exposure; [1,

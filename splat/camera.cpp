@@ -2,6 +2,7 @@
 // "does not move" is decided by equality: interpolation is a + t (b − a), and rotations that agree are
 // not interpolated at all.
 #include "splat/camera.h"
+#include "splat/without_throwing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -302,17 +303,19 @@ bool CameraTrack::constant_over(double first, double last) const {
 }
 
 Status CameraTrack::validate() const {
-  if (poses.empty() == look_ats.empty())
-    return Error{"", "/keys", "a camera needs keys of one kind: poses or look-ats"};
-  if (!(near > 0.0) || !std::isfinite(near))
-    return Error{"", "/near", "the near distance must be a finite number above 0"};
-  if (Status status = validate_aperture(aperture); !status) return status;
-  if (!lens_point.allFinite()) return Error{"", "/lens", "the point on the lens is not finite"};
-  if (aperture.radius > 0.0 || !lens_point.isZero(0.0)) {
-    if (Status status = poses.empty() ? validate_focus(look_ats) : validate_focus(poses); !status)
-      return status;
-  }
-  return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
+  return without_throwing("to check the camera", [&]() -> Status {
+    if (poses.empty() == look_ats.empty())
+      return Error{"", "/keys", "a camera needs keys of one kind: poses or look-ats"};
+    if (!(near > 0.0) || !std::isfinite(near))
+      return Error{"", "/near", "the near distance must be a finite number above 0"};
+    if (Status status = validate_aperture(aperture); !status) return status;
+    if (!lens_point.allFinite()) return Error{"", "/lens", "the point on the lens is not finite"};
+    if (aperture.radius > 0.0 || !lens_point.isZero(0.0)) {
+      if (Status status = poses.empty() ? validate_focus(look_ats) : validate_focus(poses); !status)
+        return status;
+    }
+    return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
+  });
 }
 
 Projection projection_of(const Film& film, double tan_half_fov_y, const Lens& lens) {

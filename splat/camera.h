@@ -10,10 +10,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/exposure.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// One key of an object's motion: x ↦ translate + rotate(scale · x).
 ///

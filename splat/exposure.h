@@ -4,9 +4,10 @@
 
 #include <memory>
 
+#include "splat/export.h"
 #include "splat/shutter_curve.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Frames, shutter times and keys beyond this either way are refused: a frame is lost in the rounding of
 /// larger numbers.

@@ -9,11 +9,12 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/exposure.h"
 #include "splat/splat_cloud.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 inline constexpr int max_segments = 4096;
 
@@ -75,14 +76,21 @@ struct SplatModel {
   SplatBlending blending = SplatBlending::file;
 };
 
-/// Either discs or splats; the other of the two is empty.
+/// Discs, triangles or splats.
 struct Object {
   std::string name;
   SurfelCloud cloud;
-  SplatCloud splats;
+  /// Between points of the cloud. Not empty: these are drawn in place of discs, with colours and opacities
+  /// that change evenly from corner to corner (model section 15).
+  std::vector<Triangle> triangles;
+  SplatCloud splats;  ///< empty, or the cloud is
   TransformTrack transform;
-  bool two_sided = true;  ///< else a disc is seen only from the side a₁ × a₂ points to
-  int segments = 0;       ///< linear motion segments; 0: as the image model says
+  bool two_sided =
+      true;  ///< else a disc is seen only from the side a₁ × a₂ points to, a triangle from its front
+  int segments = 0;  ///< linear motion segments; 0: as the image model says
+
+  /// What is drawn of the cloud.
+  [[nodiscard]] std::size_t discs() const { return triangles.empty() ? cloud.size() : 0; }
 };
 
 struct Scene {
@@ -107,5 +115,7 @@ struct Scene {
 /// An error that names the first object of splats, of a renderer that draws none: "…, which `renderer` does
 /// not draw".
 [[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
+/// The same of triangles.
+[[nodiscard]] Status refuse_triangles(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

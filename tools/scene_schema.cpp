@@ -201,7 +201,7 @@ Json object_schema() {
                   "say which is which; one_sided: the front alone is seen; sideless: one surface from "
                   "both sides, for normals that point either way")},
        {"segments", described(whole(1, 4096), "As image.segments, for this object")},
-       {"draw", described(words({"splats", "surfels"}), "What a file of trained splats is drawn as")}});
+       {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")}});
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "abuffer/reference/mesh_reference.h"
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/render_valid.h"
 #include "splat/lens_points.h"
+#include "splat/motion/instant.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
@@ -28,6 +30,14 @@ struct Source {
   std::vector<Eigen::Vector2d> lens = {Eigen::Vector2d::Zero()};  ///< the points it is looked through
 };
 
+/// Triangles are on their true path at every instant.
+std::vector<reference::MeshAt> meshes_at(const Scene& scene, double tau) {
+  std::vector<reference::MeshAt> meshes;
+  for (const Object& object : scene.objects)
+    if (!object.triangles.empty()) meshes.emplace_back(scene, object, scene.exposure().at(tau));
+  return meshes;
+}
+
 /// Says how many still images of all are done.
 class Progress {
  public:
@@ -35,7 +45,7 @@ class Progress {
 
   /// False if the render is to stop.
   bool one_more() {
-    if (control_.progress) control_.progress(static_cast<double>(++done_) / images_);
+    if (control_.progress) call_back(control_.progress, static_cast<double>(++done_) / images_);
     return !control_.stop.stop_requested();
   }
 
@@ -45,11 +55,12 @@ class Progress {
 };
 
 /// Adds the still images at the midpoints of `samples` strata of the shutter. False: stopped on the way.
-bool expose(const Source& source, int samples, Progress& progress, reference::FrameSum& sum) {
+bool expose(const Scene& scene, const Source& source, int samples, Progress& progress,
+            reference::FrameSum& sum) {
   for (const Eigen::Vector2d& point : source.lens)
     for (int i = 0; i < samples; ++i) {
       const double tau = (i + 0.5) / samples;
-      sum.add(source.kernels_at(tau, point), tau);
+      sum.add(source.kernels_at(tau, point), tau, meshes_at(scene, tau));
       if (!progress.one_more()) return false;
     }
   return true;
@@ -58,6 +69,13 @@ bool expose(const Source& source, int samples, Progress& progress, reference::Fr
 bool nothing_moves(const KernelSet& set) {
   return std::all_of(set.kernels.begin(), set.kernels.end(), [](const MovingKernel& kernel) {
     return kernel.still() && kernel.t_begin <= 0.0f && kernel.t_end >= 1.0f;
+  });
+}
+
+bool meshes_stand_still(const Scene& scene) {
+  const Exposure exposure = scene.exposure();
+  return std::all_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+    return object.triangles.empty() || stands_still(scene, object, exposure);
   });
 }
 
@@ -89,7 +107,7 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   reference::FrameSum sum(scene.film, scene.model, scene.background);
   Progress progress(control,
                     static_cast<int>(source.lens.size()) * (source.still ? 1 : samples + samples / 2));
-  if (!expose(source, samples, progress, sum)) return stopped_error();
+  if (!expose(scene, source, samples, progress, sum)) return stopped_error();
   rendered.image = sum.mean();
   statistics.time("still images", watch.lap());
 
@@ -97,7 +115,7 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   double error = 0.0;
   if (!source.still) {
     reference::FrameSum half(scene.film, scene.model, scene.background);
-    if (!expose(source, samples / 2, progress, half)) return stopped_error();
+    if (!expose(scene, source, samples / 2, progress, half)) return stopped_error();
     error = rmse_of_rgb(rendered.image, half.mean()) / std::sqrt(6.0);
     instants += half.instants(), fragments += half.fragments(), surfaces += half.surfaces();
     statistics.time("error estimate", watch.lap());
@@ -119,9 +137,9 @@ Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
                                  const ReferenceOptions& options, const RenderControl& control) {
   if (Status status = refuse_lens(scene, "a picture of given kernels"); !status) return status.error();
   const auto same_for_all = [&](double, const Eigen::Vector2d&) -> const KernelSet& { return kernels; };
+  const bool still = nothing_moves(kernels) && meshes_stand_still(scene);
   Result<Rendered> rendered =
-      render({same_for_all, nothing_moves(kernels), "linear segments", {Eigen::Vector2d::Zero()}}, scene,
-             options, control);
+      render({same_for_all, still, "linear segments", {Eigen::Vector2d::Zero()}}, scene, options, control);
   if (rendered) add_kernel_counts(kernels, rendered->statistics);
   return rendered;
 }
@@ -180,15 +198,21 @@ Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
 
 Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                   const RenderControl& control) {
-  if (Status status = options.validate(); !status) return status.error();
-  if (!refuse_splats(scene, "this")) {
+  const bool splats = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                  [](const Object& object) { return object.splats.size() > 0; });
+  if (splats) {
+    if (Status status = control.validate(); !status) return status.error();
     if (Status status = refuse_lens(scene, "the reference of Gaussian splats"); !status)
       return status.error();
-    return render_overscan(scene, [&](const Scene& on_film) {
-      return render_splat_reference(on_film, {options.samples, control.threads});
+    return without_throwing("to render the frame", [&]() -> Result<Rendered> {
+      return render_overscan(scene, [&](const Scene& on_film) {
+        return render_splat_reference(on_film, {options.samples, control.threads}, control);
+      });
     });
   }
-  return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) {
+  return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) -> Result<Rendered> {
+    if (on_film.camera.aperture.radius > 0.0)
+      if (Status status = refuse_triangles(on_film, "a lens"); !status) return status.error();
     if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)
       return render_built(on_film, options, control);
     Stopwatch watch;

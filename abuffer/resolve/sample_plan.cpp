@@ -64,11 +64,14 @@ void ErrorEstimate::refine(const SampledCell::Squares& squares, int count) {
   extrapolate(before > 0.0 ? grey_ / before : 0.25, count);
 }
 
+void ErrorEstimate::foresee(double squares) {
+  if (!(squares < squares_)) return;
+  per_alternating_ *= squares / squares_;
+  squares_ = squares;
+}
+
 /// `falls_by`: F²(N/2) over F²(N/4).
 void ErrorEstimate::extrapolate(double falls_by, int count) {
-  // Of a jump all multiples of N count, Σ1/k² = π²/6, where the sums see the odd ones of N/2 and N/4, π²/8
-  // each.
-  constexpr double multiples = 4.0 / 3.0;
   const double least_fall = count < least_.few ? least_.of_few : least_.of;
   const double share = multiples * std::clamp(falls_by, least_fall, 1.0);
   squares_ = alternating_ * share;

@@ -50,12 +50,21 @@ class ErrorEstimate {
   /// After the instants were doubled to `count`, and the alternating sums with them.
   void refine(const SampledCell::Squares& squares, int count);
 
+  /// Takes `squares` for what is expected if that is less.
+  void foresee(double squares);
+
+  /// What half as many instants are off by, Σ over pixels and R, G, B.
+  [[nodiscard]] double seen() const { return multiples * alternating_; }
   /// Expected, Σ over pixels and R, G, B.
   [[nodiscard]] double squares() const { return squares_; }
   /// How much of it there is for every square of an alternating sum.
   [[nodiscard]] double per_alternating() const { return per_alternating_; }
 
  private:
+  // Of a jump all multiples of N count, Σ1/k² = π²/6, where the sums see the odd ones of N/2 and N/4, π²/8
+  // each.
+  static constexpr double multiples = 4.0 / 3.0;
+
   void extrapolate(double falls_by, int count);
 
   LeastFall least_;

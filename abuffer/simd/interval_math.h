@@ -65,7 +65,6 @@ struct FrontSum {
   float jumps = 0.0f;  ///< Σ of the ρ by which fragments of the front begin and end within the piece
   SurfaceSum swing;
   float peaks = 0.0f;       ///< Σρ of the front is nowhere more
-  float squares = 0.0f;     ///< Σ of the squares of those jumps
   float fastest = 0.0f;     ///< the largest rate in the front
   float limit = 0.0f;       ///< nothing that stays deeper than this is part of it
   float margin = 0.0f;      ///< twice the largest tolerance

@@ -299,8 +299,8 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
 
   Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,
         low = weight, jumps = weight, weight_swing = weight, red_swing = weight, green_swing = weight,
-        blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, squares = weight,
-        low_slope = weight, fastest = weight, reaches = weight;
+        blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, low_slope = weight,
+        fastest = weight, reaches = weight;
   LaneBits behind = lanes_below(0), unsettled = behind, sides = behind;
   const float per_duration = 1.0f / static_cast<float>(end - begin);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
@@ -376,7 +376,6 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
     low_slope += all_along * x;
     const Lanes step = only(partial & in_front, choose(cut_off, m * (1.0f + magnitude(x)), load(jump + i)));
     jumps += step;
-    squares += step * step;
   }
   static_assert(offsetof(FrontSum, jumps) == 7 * sizeof(float) &&
                     offsetof(FrontSum, swing) == 8 * sizeof(float) &&
@@ -384,9 +383,9 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
                 "totals in the order of its members");
   const Lanes means = totals(weight, red, green, blue, alpha, depth, low, jumps);
   const Lanes swings =
-      totals(weight_swing, red_swing, green_swing, blue_swing, alpha_swing, depth_swing, peaks, squares);
+      totals(weight_swing, red_swing, green_swing, blue_swing, alpha_swing, depth_swing, peaks, fastest);
   std::memcpy(static_cast<void*>(&sum), &means, sizeof means);
-  std::memcpy(static_cast<void*>(&sum.swing), &swings, sizeof swings);
+  std::memcpy(static_cast<void*>(&sum.swing), &swings, 7 * sizeof(float));
   sum.low = std::max(0.0f, sum.low - std::abs(total(low_slope)));
   sum.fastest = largest(fastest);
   sum.behind = any(behind);

@@ -202,7 +202,7 @@ PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) cons
 std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
   std::size_t bytes = 0;
   for (const Object& object : scene.objects) {
-    if (object.cloud.size() == 0) continue;
+    if (object.discs() == 0) continue;
     const std::size_t poses = pose_frames(object.cloud, exposure).size();
     const std::size_t turning = object.cloud.keys.size() == 1 ? 1 : poses;
     const std::size_t packets = (object.cloud.size() + packet_size - 1) / packet_size;
@@ -216,7 +216,7 @@ std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
 std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.cloud.size() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
+    if (object.discs() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
       objects.push_back(pack(object, exposure));
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "abuffer/resolve/sample_plan.h"
+#include "abuffer/splats/error_forecast.h"
 #include "abuffer/splats/splat_cell.h"
 
 namespace swept {
@@ -36,8 +38,10 @@ struct CellWork {
   bool done = false;       ///< it is in the image
   bool waiting = false;    ///< for whether there is time to double it
   int doublings = 0;
-  int instants = 0;  ///< looked at in all
-  int next = 0;      ///< of this round
+  int instants = 0;         ///< looked at in all
+  int next = 0;             ///< of this round
+  bool has_middle = false;  ///< the sums have the instant in the middle; its number of instants is odd
+  std::optional<CellForecast> forecast;  ///< of the first round
   double expected_squares = 0.0;
   double seconds = 0.0;                ///< that the last round took
   std::unique_ptr<CellOfSplats> sums;  ///< while it is not done
@@ -57,6 +61,9 @@ struct CellWork {
     const float w = doublings == 1 && (i == 0 || i == count / 2) ? 0.5f : 1.0f;
     return {w, -w, 0.0f, 0.0f};
   }
+
+  /// Whether the i-th instant of this round is in the sums already.
+  [[nodiscard]] bool has(int i) const { return has_middle && doublings == 0 && 2 * i + 1 == count; }
 
   void double_instants() {
     sums->alternate_from_sums();

@@ -17,6 +17,15 @@ namespace swept {
 
 class FilmMotion {
  public:
+  /// One of so many pixels each way is looked at.
+  static constexpr int pitch_px = 4;
+
+  /// Along what way the picture moves through a pixel over the exposure, px.
+  struct Way {
+    float x = 0.0f, y = 0.0f;
+    float spread = 0.0f;  ///< the same in standard deviations of what moves
+  };
+
   /// Follows every splat of `sets` that moves. `standing` are placed. Runs in the caller's task arena.
   FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
              const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
@@ -26,6 +35,15 @@ class FilmMotion {
   /// What few of its pixels exceed at the exposure's ends and in its middle: √(Σ α T r²), r the motion of a
   /// splat in its own standard deviations. Of every fourth pixel each way.
   [[nodiscard]] float spread(std::size_t cell) const { return spread_[cell]; }
+  /// Looks for ways() at an instant.
+  void look_for_ways(const Scene& scene, const std::vector<SplatPackets>& sets, double frame,
+                     const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
+  /// Of what was finest at a pixel of the film then, or comes by before or after.
+  [[nodiscard]] Way way(int x, int y) const {
+    return ways_.empty() ? Way{}
+                         : ways_[static_cast<std::size_t>(y / pitch_px) * way_columns_ +
+                                 static_cast<std::size_t>(x / pitch_px)];
+  }
   /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
   [[nodiscard]] bool jumps() const { return jumps_; }
   /// The longest way of a splat on the film, px, and the same in its standard deviations.
@@ -33,14 +51,23 @@ class FilmMotion {
   [[nodiscard]] float fastest_spread() const { return fastest_spread_; }
 
  private:
+  /// What a splat does: its way from open to close, as long as its path is.
+  using Ways = std::vector<Way>;
+  enum class Look { spreads, ways };
+
   void follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set, const SplatMath& math,
-              const CellGrid& grid, std::vector<float>& spreads);
-  void look(const Scene& scene, const std::vector<SplatPackets>& sets,
-            const std::vector<std::vector<float>>& spreads, double frame, const SplatRow& standing,
-            const SplatMath& math, const CellGrid& grid);
+              const CellGrid& grid, Ways& ways);
+  void look(const Scene& scene, const std::vector<SplatPackets>& sets, double frame, const SplatRow& standing,
+            const SplatMath& math, const CellGrid& grid, Look what);
+  void take_spreads(const SplatTile& tile, int x, int y, const CellGrid& grid);
+  void take_ways(const SplatTile& tile, int x, int y);
+  void spread_ways(const Film& film);
 
   std::vector<char> touched_;
   std::vector<float> spread_;
+  std::vector<Ways> of_sets_;
+  std::vector<Way> ways_;  ///< of every few pixels, whole tiles
+  std::size_t way_columns_ = 0;
   bool jumps_ = false;
   float fastest_px_ = 0.0f, fastest_spread_ = 0.0f;
 };

@@ -35,7 +35,10 @@ SplatRule splat_rule(const Scene& scene) {
   rule.most_alpha = static_cast<float>(model.most_alpha);
   rule.least_light = static_cast<float>(model.least_light);
   rule.near = static_cast<float>(model.near);
-  rule.linear = model.blending == SplatBlending::linear;
+  // Without splats everything is light.
+  rule.linear = model.blending == SplatBlending::linear ||
+                std::all_of(scene.objects.begin(), scene.objects.end(),
+                            [](const Object& object) { return object.splats.size() == 0; });
   if (model.blending == SplatBlending::file)
     for (const Object& object : scene.objects)
       if (object.splats.size() > 0) rule.linear = object.splats.colors == SplatColors::linear;
@@ -83,6 +86,26 @@ void CellOfSplats::store(const Cell& cell, double total, float background_alpha,
     image.rgba[4 * to + 3] = static_cast<float>(alpha + (1.0 - alpha) * double{background_alpha});
     image.depth[to] = alpha > 0.0 ? static_cast<float>(double{sums.depth[i]} / total / alpha)
                                   : std::numeric_limits<float>::infinity();
+  });
+}
+
+void CellOfSplats::weigh(const InstantWeights& weights) {
+  for (SplatSums& sums : tiles)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(tile_floats); ++i) {
+      sums.alternating_red[i] = weights.alternating * sums.red[i];
+      sums.alternating_green[i] = weights.alternating * sums.green[i];
+      sums.alternating_blue[i] = weights.alternating * sums.blue[i];
+      const float grey = (sums.red[i] + sums.green[i]) + sums.blue[i];
+      sums.even[i] = weights.even * grey;
+      sums.odd[i] = weights.odd * grey;
+    }
+}
+
+void CellOfSplats::copy_colors(const Cell& cell, int width, std::vector<float>& rgba) const {
+  for_each_pixel(cell, [&](std::size_t tile, std::size_t i, int x, int y) {
+    const std::size_t to =
+        4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    rgba[to] = tiles[tile].red[i], rgba[to + 1] = tiles[tile].green[i], rgba[to + 2] = tiles[tile].blue[i];
   });
 }
 

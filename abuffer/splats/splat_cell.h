@@ -22,6 +22,10 @@ struct CellOfSplats {
   void alternate_from_sums();
   /// The mean of instants of `total` weight, into `image`.
   void store(const Cell& cell, double total, float background_alpha, Image& image) const;
+  /// What estimates count of an instant that is the only one so far, and was added without.
+  void weigh(const InstantWeights& weights);
+  /// The first instant's red, green and blue, into `rgba` of a whole film `width` wide.
+  void copy_colors(const Cell& cell, int width, std::vector<float>& rgba) const;
   /// √ of a third of so much of every pixel's squared alternating sums, into a channel of `image`'s window.
   void store_error(const Cell& cell, double per_alternating, const Image& image,
                    std::vector<float>& channel) const;

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <mutex>
-#include <numeric>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,10 +16,12 @@
 #include "abuffer/parallel.h"
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/film_motion.h"
+#include "abuffer/splats/film_still.h"
+#include "abuffer/splats/film_surfaces.h"
+#include "abuffer/splats/share_instants.h"
 #include "abuffer/splats/splat_cell.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
-#include "abuffer/splats/splat_surfaces.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -46,15 +45,18 @@ class SplatFrame {
   Result<Rendered> render() {
     const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
-    surfaces_ = std::make_unique<SplatSurfaces>(scene_, exposure_, options_.only_standing,
-                                                implementation_of(options_, sampled_maths().count));
-    out.statistics.time("packets", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
+    const std::size_t which = implementation_of(options_, sampled_maths().count);
+    surfaces_ = std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing,
+                                               sampled_maths().first[which], mesh_maths().first[which], grid_,
+                                               wanted_of_window());
+    out.statistics.time("packets", watch.lap());
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     standing_ = SplatRow(scene_, sets_, false, exposure_.open, math_, grid_, wanted_of_window());
@@ -62,7 +64,7 @@ class SplatFrame {
     out.statistics.time("motion", watch.lap());
     const auto unfinished = [](const CellWork& work) { return !work.done && !work.waiting; };
     do {
-      if (!render_round()) return Error{"", "", "the render was stopped"};
+      if (!render_round()) return Error{"", "", "the render was stopped", ErrorKind::cancelled};
     } while (std::any_of(cells_.begin(), cells_.end(), unfinished) || spend_more());
     parallel_for_each_index(cells_.size(), [&](std::size_t i) {
       if (cells_[i].waiting) finish(cells_[i]);
@@ -93,7 +95,8 @@ class SplatFrame {
   }
 
   void plan();
-  void share_instants(int most);
+  void begin_cells();
+  void forecast();
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
@@ -112,9 +115,9 @@ class SplatFrame {
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
   std::unique_ptr<FilmMotion> motion_;
-  std::unique_ptr<SplatSurfaces> surfaces_;
+  std::unique_ptr<FilmSurfaces> surfaces_;
   std::vector<CellWork> cells_;
-  double allowed_mean_square_ = 0.0;
+  double allowed_mean_square_ = 0.0, safety_ = 1.0;
   Image* image_ = nullptr;
   tbb::enumerable_thread_specific<SplatPainter> painters_;
   std::size_t placed_instants_ = 0;
@@ -124,8 +127,8 @@ class SplatFrame {
   double drawn_ = 0.0, planned_ = 0.0, told_ = 0.0;
 };
 
-/// How many instants each cell begins with, and how much error those that move may have.
-void SplatFrame::plan() {
+/// Which cells move, and how much error those may have.
+void SplatFrame::begin_cells() {
   const bool any_moves =
       std::any_of(sets_.begin(), sets_.end(), [](const SplatPackets& set) { return set.moves; });
   if (any_moves && !exposure_.instant())
@@ -133,7 +136,6 @@ void SplatFrame::plan() {
   // With time to spend the first look is a coarse one.
   const double first_db = options_.max_seconds > 0.0 ? 30.0 : options_.max_error_db;
   double moving_px = 0.0;
-  int most = 1;
   for (std::size_t c = 0; c < grid_.size(); ++c) {
     CellWork work;
     work.index = c;
@@ -150,47 +152,59 @@ void SplatFrame::plan() {
       if (work.adaptive)
         work.count = std::max(first_instants(surface_px, first_db),
                               splats_move ? first_splat_instants(motion_->spread(c), first_db) : 2);
-      most = std::max(most, work.count);
     }
     cells_.push_back(std::move(work));
   }
-  share_instants(most);
-  // What is decided for a cell depends on the whole film, and not on what else is asked for.
-  std::erase_if(cells_, [&](const CellWork& work) { return !in_window(work.cell); });
-  for (const CellWork& work : cells_) planned_ += work.count;
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
   allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
   // A jump is off by up to 3 times its mean square, and where all pixels jump at once they do not make up for
   // each other.
-  if (motion_ != nullptr && motion_->jumps()) allowed_mean_square_ /= 3.0;
+  if (motion_ != nullptr && motion_->jumps()) safety_ = 3.0;
+  allowed_mean_square_ /= safety_;
+  if (options_.max_cell_error_db > 0.0)
+    allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
 }
 
-/// Cells that have a half, a quarter, … of the largest number of instants need fewer of them in all than
-/// cells that have as few as they can; but then some look at more. Whichever costs less.
-void SplatFrame::share_instants(int most) {
-  // Of placing a splat, and of drawing a pixel, in the mean over trained files: their ratio is what counts.
-  constexpr double place = 0.1, draw = 0.12;
-  double splats = 0.0;
-  for (const SplatPackets& set : sets_) splats += set.moves ? static_cast<double>(set.splats) : 0.0;
-  const auto half_of_most = [&](const CellWork& work) {
-    int count = most;
-    while (count % 2 == 0 && count / 2 >= std::max(2, work.count)) count /= 2;
-    return count;
-  };
-  const auto cost = [&](const auto& count_of) {
-    std::set<int> counts;
-    double px = 0.0;
-    for (const CellWork& work : cells_) {
-      if (!work.adaptive) continue;
-      counts.insert(count_of(work));
-      px += double{1.0} * count_of(work) * work.cell.width * work.cell.height;
-    }
-    return place * splats * std::accumulate(counts.begin(), counts.end(), 0.0) + draw * px;
-  };
-  const bool halves = cost(half_of_most) < cost([](const CellWork& work) { return work.count; });
+/// How many instants cells take by what a still shows, and that still as one of them.
+void SplatFrame::forecast() {
+  const std::vector<char> all(grid_.size(), 1), none(grid_.size(), 0);
+  const SplatRow standing(scene_, sets_, false, exposure_.open, math_, grid_, all);
+  // Where what is in front in the middle is too fast for the film, another time may show what is behind.
+  for (const double share : {0.5, 1.0 / 6.0}) {
+    const double frame = exposure_.at(share);
+    motion_->look_for_ways(scene_, sets_, frame, standing, math_, grid_);
+    const FilmStill still =
+        draw_still(grid_, standing, SplatRow(scene_, sets_, true, frame, math_, grid_, all), *surfaces_,
+                   surfaces_->at(share), painters_, share == 0.5 ? wanted_of_window() : none, cells_);
+    ++placed_instants_;
+    const ErrorForecast errors(still, *motion_, scene_.splats.dilation_px2);
+    parallel_for_each_index(cells_.size(), [&](std::size_t c) {
+      CellWork& work = cells_[c];
+      if (!work.adaptive || work.forecast || surfaces_->motion_px(work.index) > 0.0f) return;
+      work.forecast = errors.of(work.cell, safety_ * allowed_mean_square_);
+      if (work.forecast) work.count = work.forecast->count;
+    });
+    std::size_t open = 0;
+    for (const CellWork& work : cells_) open += work.adaptive && !work.forecast ? 1 : 0;
+    if (4 * open <= cells_.size()) break;
+  }
   for (CellWork& work : cells_)
-    if (work.adaptive && halves) work.count = half_of_most(work);
+    if (work.adaptive) work.count |= 1;
+}
+
+/// How many instants each cell begins with.
+void SplatFrame::plan() {
+  begin_cells();
+  if (motion_ != nullptr && options_.samples == 0 && options_.max_seconds == 0.0) forecast();
+  std::size_t splats = 0;
+  for (const SplatPackets& set : sets_) splats += set.moves ? set.splats : 0;
+  share_instants(cells_, splats);
+  for (CellWork& work : cells_)
+    if (work.has_middle && work.estimated) work.sums->weigh(work.weights(work.count / 2));
+  // What is decided for a cell depends on the whole film, and not on what else is asked for.
+  std::erase_if(cells_, [&](const CellWork& work) { return !in_window(work.cell); });
+  for (const CellWork& work : cells_) planned_ += work.count;
 }
 
 /// Draws what every cell still lacks. False: the render was stopped.
@@ -201,7 +215,8 @@ bool SplatFrame::render_round() {
     work.next = 0;
     if (!work.waiting) work.seconds = 0.0;
     if (!work.moves) continue;
-    for (int i = 0; i < work.round_size(); ++i) instants.push_back(work.instant(i));
+    for (int i = 0; i < work.round_size(); ++i)
+      if (!work.has(i)) instants.push_back(work.instant(i));
     // A few numbers of instants are what all cells have between them.
     if (instants.size() > 1u << 16) {
       std::sort(instants.begin(), instants.end());
@@ -212,8 +227,9 @@ bool SplatFrame::render_round() {
   instants.erase(std::unique(instants.begin(), instants.end()), instants.end());
   std::size_t splats = 0;
   for (const SplatPackets& set : sets_) splats += set.moves ? set.splats : 0;
+  const std::size_t an_instant = sizeof(PlacedSplat) * splats + surfaces_->instant_bytes();
   const std::size_t batch =
-      std::max<std::size_t>(1, most_placed_bytes / (sizeof(PlacedSplat) * std::max<std::size_t>(1, splats)));
+      std::max<std::size_t>(1, most_placed_bytes / std::max<std::size_t>(1, an_instant));
   for (std::size_t begin = 0; begin < std::max<std::size_t>(1, instants.size()); begin += batch) {
     const std::size_t size = std::min(batch, instants.size() - std::min(begin, instants.size()));
     if (!render_batch(std::span(instants).subspan(std::min(begin, instants.size()), size))) return false;
@@ -226,6 +242,7 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
   for (const CellWork& work : cells_) {
     if (!work.moves) continue;
     for (int i = work.next; i < work.round_size(); ++i) {
+      if (work.has(i)) continue;
       const auto found = std::lower_bound(instants.begin(), instants.end(), work.instant(i));
       if (found == instants.end()) break;
       if (*found == work.instant(i))
@@ -234,12 +251,12 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
   }
   std::vector<SplatRow> rows(instants.size());
   // One more, of cells in which nothing moves.
-  std::vector<std::vector<ObjectInstant>> objects(instants.size() + 1);
-  objects.back() = surfaces_->at(0.5);
+  std::vector<FilmSurfaces::Instant> objects(instants.size() + 1);
+  objects.back() = surfaces_->at(0.5, wanted_of_window());
   Stopwatch placing;
   parallel_for_each_index(instants.size(), [&](std::size_t k) {
     if (control_.stop.stop_requested()) return;
-    objects[k] = surfaces_->at(instants[k].time());
+    objects[k] = surfaces_->at(instants[k].time(), wanted[k]);
     rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
   });
   placed_instants_ += instants.size();
@@ -253,9 +270,13 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
       if (work.done || work.waiting || control_.stop.stop_requested()) continue;
       if (!work.sums) work.sums = std::make_unique<CellOfSplats>();
       Stopwatch own;
-      SampledCell* const discs = surfaces_->begin(work.index);
-      const int first = work.next;
+      FilmSurfaces::OfCell* const surfaces = surfaces_->empty() ? nullptr : &surfaces_->begin(work.index);
+      int drawn = 0;
       while (work.next < work.round_size()) {
+        if (work.has(work.next)) {
+          ++work.next;
+          continue;
+        }
         std::size_t k = instants.size();
         if (work.moves) {
           const auto found = std::lower_bound(instants.begin(), instants.end(), work.instant(work.next));
@@ -263,13 +284,12 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
           k = static_cast<std::size_t>(found - instants.begin());
         }
         painter.add(work.cell, work.index, standing_, k < rows.size() ? rows[k] : nothing,
-                    discs != nullptr ? discs->surfaces(objects[k]) : no_surfaces, work.weights(work.next),
+                    surfaces != nullptr ? surfaces->at(objects[k]) : no_surfaces, work.weights(work.next),
                     *work.sums);
-        ++work.next;
+        ++work.next, ++drawn;
       }
       work.seconds += own.lap();
-      work.instants += work.next - first;
-      const double drawn = work.next - first;
+      work.instants += drawn;
       if (work.next == work.round_size()) finish_round(work);
       if (control_.progress) tell(drawn);
     }
@@ -297,6 +317,12 @@ void SplatFrame::finish_round(CellWork& work) {
       work.estimate = std::make_unique<ErrorEstimate>(squares, work.count, ErrorEstimate::of_splats);
     else
       work.estimate->refine(squares, work.count);
+    if (work.forecast && work.doublings == 0) {
+      // Trained scenes that were tried begin to show jumps from some 62 dB on.
+      constexpr double jumps = 5.6e-7;
+      const double px = 3.0 * work.cell.width * work.cell.height;
+      work.estimate->foresee(work.forecast->expected(work.estimate->seen() / px, jumps / safety_) * px);
+    }
     work.expected_squares = work.estimate->squares();
   }
   if (!work.adaptive) return finish(work);
@@ -304,9 +330,7 @@ void SplatFrame::finish_round(CellWork& work) {
     work.waiting = true;
     return;
   }
-  const double of_cell = options_.max_cell_error_db > 0.0 ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
-                                                          : std::numeric_limits<double>::infinity();
-  const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * work.cell.width * work.cell.height;
+  const double allowed = allowed_mean_square_ * 3.0 * work.cell.width * work.cell.height;
   if (work.expected_squares <= allowed || work.count >= most_chosen_instants)
     finish(work);
   else
@@ -366,6 +390,7 @@ void SplatFrame::describe(Statistics& s) const {
   s.count("splats", splats);
   s.count("splats_moving", moving);
   s.count("surfels", static_cast<double>(surfaces_->discs()));
+  s.count("triangles", static_cast<double>(surfaces_->triangles()));
   s.count("packed_bytes", static_cast<double>(packed_splat_bytes(scene_)));
   s.count("instants_placed", static_cast<double>(placed_instants_));
   s.count("instants_per_pixel", instants / std::max(1.0, px));
@@ -378,7 +403,8 @@ void SplatFrame::describe(Statistics& s) const {
   if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
   s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                     : "motion blur: skipped, nothing moves during the exposure");
-  s.effect(rule_.linear ? "splats blended in linear light" : "splats blended in values of sRGB");
+  if (splats > 0.0)
+    s.effect(rule_.linear ? "splats blended in linear light" : "splats blended in values of sRGB");
   s.effect(std::string("arithmetic: ") + math_.name);
 }
 

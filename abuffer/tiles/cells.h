@@ -3,6 +3,7 @@
 // Cells are of the film, not of the crop: what is decided for one does not depend on what else is asked for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,6 +17,23 @@ namespace swept {
 
 struct Cell {
   int x = 0, y = 0, width = 0, height = 0;  ///< px of the film
+};
+
+/// The film's cells, in rows.
+struct CellGrid {
+  Film film;
+  std::size_t columns, rows;
+
+  explicit CellGrid(const Film& of)
+      : film(of),
+        columns(static_cast<std::size_t>((of.width + cell_px - 1) / cell_px)),
+        rows(static_cast<std::size_t>((of.height + cell_px - 1) / cell_px)) {}
+  [[nodiscard]] std::size_t size() const { return columns * rows; }
+  [[nodiscard]] Cell cell(std::size_t index) const {
+    const int x = static_cast<int>(index % columns) * cell_px,
+              y = static_cast<int>(index / columns) * cell_px;
+    return {x, y, std::min(cell_px, film.width - x), std::min(cell_px, film.height - y)};
+  }
 };
 
 /// A packet of one of the objects.

@@ -9,10 +9,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/interval/side.h"
 #include "splat/interval/ticks.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Linear, premultiplied RGBA, and the depth tolerance and the side that travel with it: what fragments of
 /// one kernel share that show the same side.

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// Which side of its disc a fragment shows. Two of them are one surface only if both_sides() is false.
 enum class Side : std::uint32_t { unknown = 0, front = 1, back = 2 };

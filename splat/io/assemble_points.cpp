@@ -229,7 +229,8 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
                                  const ReadOptions& options) {
   const std::size_t count = values[plan.position[0]].size();
   if (count == 0) return Error{path, "", "has no points"};
-  if (count >= kDropped) return Error{path, "", "has more points than 32-bit indices can name"};
+  if (count >= kDropped)
+    return Error{path, "", "has more points than 32-bit indices can name", ErrorKind::unsupported};
   if (!(options.delta > 0.0) || !std::isfinite(options.delta)) {
     return Error{"", "delta", "must be positive and finite"};
   }

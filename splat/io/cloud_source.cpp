@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -131,6 +132,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
         color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);
+  loaded.triangles = std::move(set.triangle);
   take_velocity(set, source, loaded);
   return loaded;
 }
@@ -163,7 +165,10 @@ ReadOptions key_options(const CloudSource& source) {
 }
 
 Error in_file(Error error, const std::string& path) {
-  if (error.file.empty()) error.file = path;
+  if (error.file.empty()) {
+    error.file = path;
+    error.kind = in_a_file(error.kind);
+  }
   return error;
 }
 
@@ -310,62 +315,68 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
 }  // namespace
 
 Status color_by_normals(SurfelCloud& cloud) {
-  if (Status s = cloud.validate(); !s) return s;
-  if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
-  const SurfelPose& pose = cloud.keys.front().pose;
-  cloud.color.resize(pose.size());
-  for (std::size_t i = 0; i < pose.size(); ++i) {
-    // In double, where the product of tiny axes does not underflow.
-    const Eigen::Vector3d normal =
-        pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
-    cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
-  }
-  return Done{};
+  return io::guarded("", [&]() -> Status {
+    if (Status s = cloud.validate(); !s) return s;
+    if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
+    const SurfelPose& pose = cloud.keys.front().pose;
+    cloud.color.resize(pose.size());
+    for (std::size_t i = 0; i < pose.size(); ++i) {
+      // In double, where the product of tiny axes does not underflow.
+      const Eigen::Vector3d normal =
+          pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
+      cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
+    }
+    return Done{};
+  });
 }
 
 Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source) {
-  if (Status s = check_options(source); !s) return s.error();
-  if (!std::isfinite(frame)) return option_error("frame", "is not finite");
-  if (Status s = points.validate(); !s) return s.error();
-  Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
-  if (!loaded) return loaded;
-  if (Status s = loaded->cloud.validate(); !s) return s.error();
-  return loaded;
+  return io::guarded("", [&]() -> Result<LoadedCloud> {
+    if (Status s = check_options(source); !s) return s.error();
+    if (!std::isfinite(frame)) return option_error("frame", "is not finite");
+    if (Status s = points.validate(); !s) return s.error();
+    Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
+    if (!loaded) return loaded;
+    if (Status s = loaded->cloud.validate(); !s) return s.error();
+    return loaded;
+  });
 }
 
 Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last) {
-  if (Status s = check_options(source); !s) return s.error();
-  if (Status s = check_files(source); !s) return s.error();
-  if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
+  return io::guarded("", [&]() -> Result<LoadedCloud> {
+    if (Status s = check_options(source); !s) return s.error();
+    if (Status s = check_files(source); !s) return s.error();
+    if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
 
-  const std::vector<KeyFile>& files = source.files;
-  const KeySpan span = span_of(files, first, last);
-  Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
-  if (!set) return set.error();
-  const bool several = span.end > span.begin + 1;
-  std::size_t from = span.begin;
-  Result<LoadedCloud> loaded = LoadedCloud{};
-  if (several && !set->id.empty()) {
-    loaded = read_by_id(source, span);
-    from = span.nearest;
-  } else {
-    loaded = read_in_order(source, span, *std::move(set));
-  }
-  if (!loaded && several && loaded.error().field == "points") {
-    // Particles come and go. One file says how its own move on, if it has velocities.
-    Result<PointSet> alone = read_nearest(source, files[span.nearest]);
-    if (!alone || alone->velocity.empty()) return loaded.error();
-    from = span.nearest;
-    loaded = first_key(*std::move(alone), files[from].frame, source);
-    if (loaded)
-      loaded->report.assumed.push_back(
-          "the numbers of points differ between the files and there are no ids, so those of " +
-          files[from].path + " move along their velocities");
-  }
-  if (!loaded) return in_file(loaded.error(), files[from].path);
-  for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
-  if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
-  return loaded;
+    const std::vector<KeyFile>& files = source.files;
+    const KeySpan span = span_of(files, first, last);
+    Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
+    if (!set) return set.error();
+    const bool several = span.end > span.begin + 1;
+    std::size_t from = span.begin;
+    Result<LoadedCloud> loaded = LoadedCloud{};
+    if (several && !set->id.empty()) {
+      loaded = read_by_id(source, span);
+      from = span.nearest;
+    } else {
+      loaded = read_in_order(source, span, *std::move(set));
+    }
+    if (!loaded && several && loaded.error().field == "points") {
+      // Particles come and go. One file says how its own move on, if it has velocities.
+      Result<PointSet> alone = read_nearest(source, files[span.nearest]);
+      if (!alone || alone->velocity.empty()) return loaded.error();
+      from = span.nearest;
+      loaded = first_key(*std::move(alone), files[from].frame, source);
+      if (loaded)
+        loaded->report.assumed.push_back(
+            "the numbers of points differ between the files and there are no ids, so those of " +
+            files[from].path + " move along their velocities");
+    }
+    if (!loaded) return in_file(loaded.error(), files[from].path);
+    for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
+    if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
+    return loaded;
+  });
 }
 
 }  // namespace swept

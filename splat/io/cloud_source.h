@@ -8,12 +8,13 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/point_file.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What a file's velocities are measured in; files do not say.
 enum class VelocityUnit { per_second, per_frame, ignore };
@@ -47,6 +48,7 @@ struct CloudSource {
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
+  std::vector<Triangle> triangles;  ///< of meshes, between points of the cloud
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };

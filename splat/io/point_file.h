@@ -13,10 +13,11 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/read_report.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// How stored colours relate to light: linear, or by the sRGB curve.
 enum class ColorSpace { linear, srgb };

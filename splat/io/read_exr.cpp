@@ -15,6 +15,7 @@
 #include <openexr.h>
 
 #include "splat/io/exr_attributes.h"
+#include "splat/io/guarded.h"
 #include "splat/io/image_file.h"
 
 namespace swept {
@@ -141,7 +142,7 @@ Result<Image> read_whole(const std::string& path) {
   Image image = *std::move(window);
   read_pixels(file, file.header().channels().findChannel("Z") != nullptr, image);
   if (const Status status = image.validate(); !status) {
-    return Error{path, status.error().field, status.error().reason};
+    return Error{path, status.error().field, status.error().reason, in_a_file(status.error().kind)};
   }
   return image;
 }
@@ -157,29 +158,33 @@ Status check_file(const std::string& path, bool with_scanlines) {
 }  // namespace
 
 Result<ExrOrigin> read_exr_origin(const std::string& path) {
-  if (const Status status = check_file(path, true); !status) return status.error();
-  try {
-    const Imf::InputFile file(path.c_str(), 0);
-    const auto text = [&](const char* name) {
-      const auto* attribute = file.header().findTypedAttribute<Imf::StringAttribute>(name);
-      return attribute == nullptr ? std::string() : attribute->value();
-    };
-    return ExrOrigin{text("sceneHash"), text("method")};
-  } catch (const std::exception& unreadable) {
-    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
-  }
+  return io::guarded(path, [&]() -> Result<ExrOrigin> {
+    if (const Status status = check_file(path, true); !status) return status.error();
+    try {
+      const Imf::InputFile file(path.c_str(), 0);
+      const auto text = [&](const char* name) {
+        const auto* attribute = file.header().findTypedAttribute<Imf::StringAttribute>(name);
+        return attribute == nullptr ? std::string() : attribute->value();
+      };
+      return ExrOrigin{text("sceneHash"), text("method")};
+    } catch (const std::exception& unreadable) {
+      return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+    }
+  });
 }
 
 namespace {
 
 /// `read` on a file whose header makes sense.
 Result<Image> read_checked(const std::string& path, Result<Image> (*read)(const std::string&)) {
-  if (const Status status = check_file(path, false); !status) return status.error();
-  try {
-    return read(path);
-  } catch (const std::exception& unreadable) {
-    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
-  }
+  return io::guarded(path, [&]() -> Result<Image> {
+    if (const Status status = check_file(path, false); !status) return status.error();
+    try {
+      return read(path);
+    } catch (const std::exception& unreadable) {
+      return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+    }
+  });
 }
 
 }  // namespace

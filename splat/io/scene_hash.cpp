@@ -25,13 +25,13 @@ Result<std::string> hash_file(const std::string& path) {
   // A pipe would be empty for who reads it next, and a device could go on for ever.
   if (!std::filesystem::is_regular_file(path, code)) return Error{path, "", "is not a regular file"};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{path, "", "cannot be opened for reading"};
+  if (!file) return Error{path, "", "cannot be opened for reading", ErrorKind::not_found};
   ContentHash hash;
   hash.add_part(std::to_string(std::filesystem::file_size(path, code)));
   std::vector<char> block(std::size_t{1} << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
     hash.add({block.data(), static_cast<std::size_t>(file.gcount())});
-  if (file.bad()) return Error{path, "", "cannot be read to its end"};
+  if (file.bad()) return Error{path, "", "cannot be read to its end", ErrorKind::device};
   return hash.text();
 }
 

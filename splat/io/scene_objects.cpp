@@ -205,8 +205,9 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
     source.sideless = which == 2;
   }
   if (const auto draw = node.find("draw")) {
-    if (!file) draw->fail("goes with a single \"file\"");
-    source.draw = draw->one_of({"splats", "surfels"}) == 0 ? DrawAs::splats : DrawAs::surfels;
+    source.draw = static_cast<DrawAs>(draw->one_of({"splats", "surfels", "triangles"}));
+    if (generator) draw->fail("goes with files");
+    if (source.draw == DrawAs::splats && !file) draw->fail("goes with a single \"file\"");
   }
   if (const auto segments = node.find("segments"))
     object.segments = static_cast<int>(segments->integer(1, 4096));

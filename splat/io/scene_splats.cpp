@@ -25,7 +25,7 @@ std::string disc_member(const ObjectSource& source, const Object& object) {
 
 bool draws_splats(const ObjectSource& source) {
   const auto* file = std::get_if<FileSource>(&source.points);
-  if (file == nullptr || source.draw == DrawAs::surfels) return false;
+  if (file == nullptr || (source.draw && source.draw != DrawAs::splats)) return false;
   return source.draw == DrawAs::splats || holds_splats(file->path);
 }
 

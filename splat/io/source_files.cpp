@@ -48,7 +48,7 @@ class Numbers {
 /// What is on disk of the files that may be missing.
 Result<std::vector<int>> look_up(const SequenceSource& sequence) {
   const Result<std::vector<NumberedFile>> files = list_sequence(sequence.pattern);
-  if (!files) return Error{"", "sequence", files.error().reason};
+  if (!files) return Error{"", "sequence", files.error().reason, files.error().kind};
   std::vector<int> numbers;
   for (const NumberedFile& file : *files) {
     const int n = file.number;
@@ -59,7 +59,7 @@ Result<std::vector<int>> look_up(const SequenceSource& sequence) {
       continue;
     numbers.push_back(n);
   }
-  if (numbers.empty()) return Error{"", "sequence", "none of its files is there"};
+  if (numbers.empty()) return Error{"", "sequence", "none of its files is there", ErrorKind::not_found};
   return numbers;
 }
 
@@ -102,7 +102,7 @@ Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first,
       return Error{"", "sequence", "the shutter is open over more than 10000 files"};
     frame = numbers->at(i) + sequence.offset + cycles * period;
     Result<std::string> path = find_in_sequence(sequence.pattern, numbers->number(i));
-    if (!path) return Error{"", "sequence", path.error().reason};
+    if (!path) return Error{"", "sequence", path.error().reason, path.error().kind};
     found.files.push_back({frame, std::move(*path)});
     if (++i < numbers->count()) continue;
     if (!sequence.cycle) break;
@@ -115,7 +115,8 @@ Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first,
 Status require_files(const std::vector<KeyFile>& files, const std::string& member) {
   std::error_code code;
   for (const KeyFile& key : files)
-    if (!std::filesystem::exists(key.path, code)) return Error{"", member, "there is no file " + key.path};
+    if (!std::filesystem::exists(key.path, code))
+      return Error{"", member, "there is no file " + key.path, ErrorKind::not_found};
   return Done{};
 }
 

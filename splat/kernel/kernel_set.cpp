@@ -110,7 +110,7 @@ class Builder {
     for (const double time : path.times) ends.push_back(instant_at(scene_, object, exposure_, time));
     for (int s = 0; s < segments; ++s)
       middles.push_back(instant_at(scene_, object, exposure_, segment_middle(exposure_, s, segments)));
-    const std::size_t count = object.cloud.size();
+    const std::size_t count = object.discs();
     out_.surfels += count;
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
     for (std::size_t i = 0; i < count; ++i) {

@@ -4,11 +4,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/kernel/moving_kernel.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
 /// or objects changes nothing.

@@ -13,7 +13,9 @@
 
 #include <Eigen/Core>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// The pixel filter in camera space, and the part of the camera where it is to be accurate.
 struct PixelFilter {

@@ -15,9 +15,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/kernel/moving_kernel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Coordinates in the disc's plane and depth along one ray, linear in the time from the segment's middle:
 /// u + du·(τ − t_mid) and so on. They need not be finite where the ray lies in the disc's plane to

@@ -1,9 +1,10 @@
 // Into how many linear segments a path has to be cut.
 #pragma once
 
+#include "splat/export.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// The most segments that are chosen unasked.
 inline constexpr int max_chosen_segments = 64;
