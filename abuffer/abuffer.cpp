@@ -17,6 +17,7 @@
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
 #include "abuffer/sampled.h"
+#include "abuffer/through_lens.h"
 #include "abuffer/tiles/bins.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/motion/segments.h"
@@ -295,6 +296,10 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   // Rows at instants of their own are stills, too.
   if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
   if (per_interval && nothing_moves(scene, exposure)) return render_still(scene, options, control);
+  if (scene.camera.aperture.radius > 0.0)
+    return render_through_lens(scene, control, [&](const Scene& pinhole, const RenderControl& part) {
+      return render_checked(pinhole, options, part);
+    });
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);

@@ -26,6 +26,8 @@ struct AbufferOptions {
 /// Renders the scene's film window. The result is the same, bit for bit, for any thread count, tile size and
 /// order of the scene's points, and a crop equals those pixels of the whole frame.
 ///
+/// A lens takes a copy of the scene, and a sweep for each of its points.
+///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 /// control.max_bytes is not looked at: tile_fragments is what bounds memory beside the kernels.
 [[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},

@@ -17,6 +17,7 @@
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 #include "splat/motion/instant.h"
+#include "splat/overscan.h"
 
 namespace swept {
 namespace {
@@ -305,7 +306,12 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
     if (Status status = refuse_row_delay(scene, "the pass of the layers"); !status) return status.error();
     if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
     return run_in_arena(
-        control, [&]() -> Layers { return LayerRenderer(scene, choice).render(control.stop); },
+        control,
+        [&]() -> Layers {
+          if (!scene.film.has_overscan()) return LayerRenderer(scene, choice).render(control.stop);
+          const Scene wide = widened(scene);
+          return LayerRenderer(wide, choice).render(control.stop);
+        },
         "for the layers");
   });
 }

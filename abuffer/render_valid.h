@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
+#include "splat/overscan.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
@@ -48,8 +49,10 @@ template <class Options, class Render>
     if (Status status = options.validate(); !status) return status.error();
     if (Status status = control.validate(); !status) return status.error();
     if (Status status = scene.validate(); !status) return status.error();
-    Result<Rendered> rendered =
-        run_in_arena(control, [&]() -> Result<Rendered> { return render(scene, options, control); });
+    Result<Rendered> rendered = run_in_arena(control, [&]() -> Result<Rendered> {
+      return render_overscan(
+          scene, [&](const Scene& on_film) -> Result<Rendered> { return render(on_film, options, control); });
+    });
     if (rendered && control.log)
       for (const std::string& effect : rendered->statistics.effects) call_back(control.log, effect);
     return rendered;

@@ -22,6 +22,7 @@
 #include "abuffer/splats/splat_frame.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -47,6 +48,15 @@ class Renderer {
       : scene_(scene), options_(options), control_(control), exposure_(scene.exposure()) {}
 
   Result<Rendered> render() {
+    if (scene_.camera.aperture.radius > 0.0) {
+      if (options_.max_seconds > 0.0)
+        return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
+                     ErrorKind::unsupported};
+      if (exposure_.row_delay != 0.0)
+        return Error{"", "/shutter/row_delay", "does not go with a lens", ErrorKind::unsupported};
+      if (options_.error_channel) return Error{"", "error_channel", "a lens has no estimate of its error"};
+      lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
+    }
     const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
     const std::size_t bytes = packed_bytes(scene_, all_rows);
     if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
@@ -76,7 +86,8 @@ class Renderer {
         options_.implementation < 0
             ? maths.count - 1
             : std::min(static_cast<std::size_t>(options_.implementation), maths.count - 1);
-    InstantTable table(scene_, exposure_, objects);
+    InstantTable table = lens_.empty() ? InstantTable(scene_, exposure_, objects)
+                                       : InstantTable(scene_, exposure_, objects, lens_);
     tbb::enumerable_thread_specific<SampledCell> cells(
         [&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
@@ -212,6 +223,7 @@ class Renderer {
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
+    if (!lens_.empty()) return begin_behind_lens(cell, renderer, table);
     const bool estimated =
         motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
@@ -221,6 +233,15 @@ class Renderer {
     }
     cell.instants = cell.count;
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
+  }
+
+  /// Each point of the lens at instants of its own, as many in all as it takes or more.
+  void begin_behind_lens(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+    const auto points = static_cast<int>(lens_.size());
+    const int instants = (cell.count + points - 1) / points;
+    for (int point = 0; point < points; ++point)
+      for (int k = 0; k < instants; ++k) renderer.add(*table.through_lens(point, k, instants), {});
+    cell.instants = cell.count = points * instants;
   }
 
   /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
@@ -370,7 +391,13 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
+    if (!lens_.empty()) {
+      s.count("lens_points", static_cast<double>(lens_.size()));
+      s.effect("depth of field: instants paired with " + std::to_string(lens_.size()) +
+               " points of the lens");
+    }
+    if (lens_.empty() && (options_.samples == 0 || options_.error_channel))
+      count_expected_error(squares, px, worst, s);
     s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                       : "motion blur: skipped, nothing moves during the exposure");
     s.effect(std::string("arithmetic: ") + math.name);
@@ -382,6 +409,7 @@ class Renderer {
   Exposure exposure_;
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
+  std::vector<Eigen::Vector2d> lens_;  ///< the points that it is looked through; empty: there is none
   std::vector<std::size_t> window_cells_;
   double allowed_mean_square_ = 0.0;
   std::vector<CellProgress> progress_;
@@ -414,6 +442,8 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
     if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
+      return status.error();
+    if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
       return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {

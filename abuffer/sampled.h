@@ -44,6 +44,9 @@ struct SampledOptions {
 /// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
 /// Rendered::parts are the cells.
 ///
+/// A lens is looked through at all its points, each at instants of its own: the error is not estimated then,
+/// and neither `max_seconds` nor `error_channel` can be had, nor splats.
+///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},
                                               const RenderControl& control = {});

@@ -11,6 +11,7 @@
 #include "gpu_passes/device/gl_errors.h"
 #include "gpu_passes/six_pass/pass_runner.h"
 #include "gpu_passes/six_pass/subframes.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 #include "splat/without_throwing.h"
 
@@ -104,6 +105,10 @@ Status check_gpu_scene(const Scene& scene) {
     if (Status status = refuse_row_delay(scene, "the GPU"); !status) return status;
     if (Status status = refuse_lifetimes(scene, "the GPU"); !status) return status;
     if (Status status = refuse_triangles(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_lens(scene, "the GPU"); !status) return status;
+    if (scene.film.has_overscan())
+      return Error{"", "/film/overscan", "is beyond the film, where the GPU does not draw",
+                   ErrorKind::unsupported};
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const PointArray<float>& opacity = scene.objects[i].cloud.opacity;
       for (const float value : opacity)

@@ -46,8 +46,8 @@ Status Image::validate() const {
 
 Image blank_image(const Film& film) {
   Image image;
-  image.x = film.crop_x;
-  image.y = film.crop_y;
+  image.x = film.window_x();
+  image.y = film.window_y();
   image.width = film.window_width();
   image.height = film.window_height();
   image.film_width = film.width;

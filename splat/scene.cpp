@@ -47,6 +47,8 @@ Status validate(const Object& object) {
   if (!object.triangles.empty() && !object.cloud.lifetime.empty())
     return bad("/triangles",
                "lie between points that come and go; \"draw\": \"surfels\" has discs drawn instead");
+  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
+    return bad("/triangles", "are between points that come and go");
   for (std::size_t t = 0; t < object.triangles.size(); ++t)
     for (const std::uint32_t corner : object.triangles[t])
       if (corner >= object.cloud.size())

@@ -68,7 +68,7 @@ struct SurfelCloud {
   PointArray<Eigen::Vector3f> acceleration;  ///< object units per frame²; likewise
   /// Radians per frame about the disc's own centre, right-handed, the axis in object space; likewise.
   PointArray<Eigen::Vector3f> angular_velocity;
-  std::vector<Lifetime> lifetime;      ///< empty: all points exist at any time
+  std::vector<Lifetime> lifetime;     ///< empty: all points exist at any time
   PointArray<Eigen::Vector3f> color;  ///< linear Rec.709, not premultiplied; empty: white
   PointArray<float> opacity;          ///< [0, 1]; empty: 1
   /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <variant>
 
 #include <fmt/core.h>
 
 #include "splat/io/sequence.h"
+#include "splat/lens_points.h"
 #include "splat/motion/segments.h"
 #include "tools/longest_streak.h"
 
@@ -152,6 +154,8 @@ std::vector<std::string> effects_of(const Scene& scene, const SceneReport& repor
     effects.push_back("transparency of " + objects(n));
   if (const auto n = count([](const ObjectReport& object) { return !object.two_sided; }); n > 0)
     effects.push_back("one-sided culling of " + objects(n));
+  if (scene.camera.aperture.radius > 0.0)
+    effects.push_back(fmt::format("depth of field through {} points of the lens", lens_point_count(scene)));
   if (scene.model.filter_radius_px > 0.0)
     effects.push_back(fmt::format("pixel filter of {} px", scene.model.filter_radius_px));
   effects.push_back(scene.model.coverage == Coverage::soft ? "soft silhouettes" : "hard silhouettes");
@@ -169,6 +173,8 @@ SceneReport report_scene(const SceneFile& file, const Scene& scene) {
   report.camera = report_camera(scene);
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     report.objects.push_back(report_object(scene, scene.objects[i], file.sources()[i]));
+  std::vector<ObjectPlan> plans = effect_plan(scene);
+  for (std::size_t i = 0; i < plans.size(); ++i) report.objects[i].plan = std::move(plans[i]);
   report.effects = effects_of(scene, report);
   return report;
 }

@@ -44,6 +44,10 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
   place.film_height = scene.film.height;
   enlarges = linear.allFinite() ? linear.jacobiSvd().singularValues()[0] * (1.0 + 1e-9)
                                 : std::numeric_limits<double>::infinity();
+  if (scene.camera.aperture.radius > 0.0) {
+    lens_px = scene.camera.aperture.radius * projection.focal_px;
+    per_focus = 1.0 / scene.camera.at(frame).lens.focus;
+  }
   const auto after = std::upper_bound(packets.frames.begin(), packets.frames.end(), frame);
   const std::size_t stretch =
       after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
@@ -79,14 +83,17 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
     return whole_plane(std::max(near, low));  // near where low is not a number
   // In front of the near plane x/z is monotonic in x and in z. The filter widens a disc by its radius where
   // the disc's centre is, which perspective enlarges towards the eye.
-  const double filter = double{place.filter_px} * high / low + 1.0;
+  double margin = double{place.filter_px} * high / low + 1.0;
+  // Through the lens each point is spread by half its circle of confusion.
+  if (lens_px > 0.0)
+    margin += lens_px * std::max(std::abs(1.0 / low - per_focus), std::abs(1.0 / high - per_focus));
   const double focal = projection.focal_px;
   const auto least = [&](double v) { return v - reach >= 0.0 ? (v - reach) / high : (v - reach) / low; };
   const auto most = [&](double v) { return v + reach >= 0.0 ? (v + reach) / low : (v + reach) / high; };
-  return {projection.center_x + focal * least(center.x()) - filter,
-          projection.center_x + focal * most(center.x()) + filter,
-          projection.center_y + focal * least(center.y()) - filter,
-          projection.center_y + focal * most(center.y()) + filter, low};
+  return {projection.center_x + focal * least(center.x()) - margin,
+          projection.center_x + focal * most(center.x()) + margin,
+          projection.center_y + focal * least(center.y()) - margin,
+          projection.center_y + focal * most(center.y()) + margin, low};
 }
 
 PacketPlace ObjectInstant::on_film(const Eigen::Vector3d& center) const {

@@ -33,6 +33,9 @@ struct ObjectInstant {
   double blend = 0.0;
   std::vector<double> bernstein;     ///< of the other control points of the stretch; empty where degree is 1
   std::optional<SurfelsAt> surfels;  ///< where discs spin
+  /// Of a scene with a lens: radius times focal length, and 1 / focus. bounds() contains what any point of
+  /// the lens sees then.
+  double lens_px = 0.0, per_focus = 0.0;
 
   /// At `frame`, the projection being that of this very instant.
   ObjectInstant(const Scene& scene, const PointPackets& packets, double frame);

@@ -59,6 +59,8 @@ Passage passage_of(const Scene& scene, const Part& part, double radius) {
   const auto depth = [&](int i) { return part.center[i].z(); };
   if (part.least(depth, reach) > scene.camera.near) return Passage::in_front;
   if (part.least([&](int i) { return -depth(i); }, reach) > -scene.camera.near) return Passage::outside;
+  // Near the eye a lens spreads points beyond any bound.
+  if (scene.camera.aperture.radius > 0.0) return Passage::through;
   for (int axis = 0; axis < 2; ++axis)
     for (const double side : {-1.0, 1.0}) {
       const auto half = [&](int i) {

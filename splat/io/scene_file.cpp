@@ -132,8 +132,8 @@ bool draws_gltf(const nlohmann::json& document) {
   });
 }
 
-/// Puts the camera of a file in place of the scene's, whose near plane stays. What the scene has of a film
-/// stays too.
+/// Puts the camera of a file in place of the scene's, whose near plane and lens stay. What the scene has of a
+/// film stays too.
 void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
                     std::vector<std::string>& notes) {
   const double fps = document.is_object() ? rate_of(overrides, document) : 24.0;
@@ -141,9 +141,9 @@ void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
   if (!file) throw file.error();
   if (document.is_object()) {
     if (file->gltf_axes && draws_gltf(document)) turn_to_splats(file->camera);
-    if (const auto old = document.find("camera");
-        old != document.end() && old->is_object() && old->contains("near"))
-      file->camera["near"] = (*old)["near"];
+    if (const auto old = document.find("camera"); old != document.end() && old->is_object())
+      for (const char* own : {"near", "lens"})
+        if (old->contains(own)) file->camera[own] = (*old)[own];
     document["camera"] = std::move(file->camera);
   }
   notes.insert(notes.end(), file->notes.begin(), file->notes.end());

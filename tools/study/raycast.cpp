@@ -15,6 +15,7 @@
 #include "abuffer/resolve/still.h"
 #include "abuffer/sources/rasterize.h"
 #include "splat/kernel/kernel_set.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 #include "tools/study/disc_volumes.h"
 
@@ -167,6 +168,7 @@ bool raycast_available() { return true; }
 
 Result<Rendered> render_raycast(const Scene& scene, const RaycastOptions& options) {
   if (Status status = refuse_row_delay(scene, "the ray caster"); !status) return status.error();
+  if (Status status = refuse_lens(scene, "the ray caster"); !status) return status.error();
   RenderControl control;
   control.threads = options.threads;
   return render_valid(scene, options, control, render_checked);
