@@ -52,7 +52,8 @@ class Renderer {
       if (options_.max_seconds > 0.0)
         return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
                      ErrorKind::unsupported};
-      if (options_.error_channel) return Error{"", "error_channel", "a lens has no estimate of its error"};
+      if (options_.error_channel)
+        return Error{"", "error_channel", "a lens has no estimate of its error", ErrorKind::unsupported};
       lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
     }
     const std::size_t bytes = packed_bytes(scene_, exposure_);

@@ -191,7 +191,8 @@ Status ReferenceOptions::validate() const {
 Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
                                   const ReferenceOptions& options, const RenderControl& control) {
   if (scene.film.has_overscan())
-    return Error{"", "/film/overscan", "is no part of the picture that given kernels are of"};
+    return Error{"", "/film/overscan", "is no part of the picture that given kernels are of",
+                 ErrorKind::unsupported};
   return render_valid(scene, options, control,
                       [&](const auto&...) { return render_segments(kernels, scene, options, control); });
 }
