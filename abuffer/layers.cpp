@@ -104,6 +104,7 @@ class LayerRenderer {
 
   [[nodiscard]] std::optional<SeenDisc> disc_of(const Ref& ref) const {
     const Placed& placed = placed_[ref.object];
+    if (!placed.object->cloud.exists(ref.point, placed.middle.frame)) return std::nullopt;
     const SurfelInstant surfel = surfel_at(placed.object->cloud, ref.point, placed.middle.frame);
     const Eigen::Vector3d axis_u = placed.middle.to_camera_direction(surfel.axis_u);
     const Eigen::Vector3d axis_v = placed.middle.to_camera_direction(surfel.axis_v);
@@ -302,6 +303,7 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
     if (Status status = scene.validate(); !status) return status.error();
     if (!choice.any()) return std::vector<ImageChannel>();
     if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
+    if (Status status = refuse_row_delay(scene, "the pass of the layers"); !status) return status.error();
     if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
     return run_in_arena(
         control,

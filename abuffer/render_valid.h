@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
+#include <stop_token>
 #include <string>
 
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include "splat/overscan.h"
 #include "splat/render_control.h"
@@ -25,7 +28,16 @@ template <class Work>
   return without_throwing(for_what, [&] {
     const int available = tbb::info::default_concurrency();
     tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute(work);
+    return arena.execute([&]() -> decltype(work()) {
+      // All loops within are of this context: a stop ends them, whatever they do.
+      tbb::task_group_context context(tbb::task_group_context::isolated);
+      tbb::task_group group(context);
+      const std::stop_callback on_stop(control.stop, [&context] { context.cancel_group_execution(); });
+      std::optional<decltype(work())> result;
+      group.run_and_wait([&] { result.emplace(work()); });
+      if (!result) throw Stopped();
+      return std::move(*result);
+    });
   });
 }
 

@@ -49,6 +49,7 @@ class Renderer {
 
   Result<Rendered> render() {
     if (scene_.camera.aperture.radius > 0.0) {
+      if (Status status = refuse_row_delay(scene_, "a lens"); !status) return status.error();
       if (options_.max_seconds > 0.0)
         return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
                      ErrorKind::unsupported};
@@ -56,7 +57,10 @@ class Renderer {
         return Error{"", "error_channel", "a lens has no estimate of its error", ErrorKind::unsupported};
       lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
     }
-    const std::size_t bytes = packed_bytes(scene_, exposure_);
+    const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
+    const std::size_t bytes = packed_bytes(scene_, all_rows);
+    if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
+      return Error{"", "max_seconds", "does not go with rows that are exposed one after the other"};
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
       return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
                    ErrorKind::out_of_memory};
@@ -66,7 +70,7 @@ class Renderer {
                        std::to_string(bytes + kept_bytes()) + " bytes"};
     Stopwatch watch;
     Rendered out;
-    const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
+    const std::vector<PointPackets> objects = pack_points(scene_, all_rows, options_.only_standing);
     out.statistics.time("packets", watch.lap());
     const PacketBins bins(scene_, exposure_, objects);
     out.statistics.time("bins", watch.lap());
@@ -87,7 +91,9 @@ class Renderer {
     tbb::enumerable_thread_specific<SampledCell> cells(
         [&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
-    if (options_.max_seconds > 0.0) {
+    if (exposure_.row_delay != 0.0 && options_.samples == 0) {
+      render_rows(cells, table);
+    } else if (options_.max_seconds > 0.0) {
       render_for(options_.max_seconds, cells, table);
     } else {
       ProgressOf done(control_, window_cells_.size());
@@ -146,9 +152,66 @@ class Renderer {
                                  : std::numeric_limits<double>::infinity();
       const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
       while (cell.squares() > allowed && cell.count < most_chosen_instants)
-        double_instants(cell, renderer, table);
+        double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
+  }
+
+  /// Cells of a single row say too little about their error: those of a square share their number of
+  /// instants, which begins anew when it doubles.
+  void render_rows(tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+    const std::size_t columns = static_cast<std::size_t>((scene_.film.width + cell_px - 1) / cell_px);
+    const std::size_t squares_down = static_cast<std::size_t>((scene_.film.height + cell_px - 1) / cell_px);
+    std::vector<std::size_t> window_index(bins_->cell_count(), bins_->cell_count());
+    for (std::size_t i = 0; i < window_cells_.size(); ++i) window_index[window_cells_[i]] = i;
+    ProgressOf done(control_, columns * squares_down);
+    parallel_for_parts(tbb::blocked_range<std::size_t>(0, columns * squares_down, 1), [&](const auto& range) {
+      for (std::size_t square = range.begin(); square != range.end(); ++square) {
+        std::vector<std::size_t> rows;
+        bool seen = false;
+        for (std::size_t y = square / columns * cell_px;
+             y < std::min((square / columns + 1) * cell_px, bins_->cell_count() / columns); ++y) {
+          rows.push_back(y * columns + square % columns);
+          seen = seen || window_index[rows.back()] < window_cells_.size();
+        }
+        if (seen && !control_.stop.stop_requested()) render_square(rows, window_index, cells.local(), table);
+        done.one_more();
+      }
+    });
+  }
+
+  void render_square(const std::vector<std::size_t>& rows, const std::vector<std::size_t>& window_index,
+                     SampledCell& renderer, InstantTable& table) {
+    double px = 0.0;
+    int first = 1;
+    for (const std::size_t row : rows) {
+      const Cell cell = bins_->cell(row);
+      px += double{1.0} * cell.width * cell.height;
+      if (!exposure_.instant())
+        first = std::max(first,
+                         first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
+    }
+    const double of_cell = options_.max_cell_error_db > 0.0
+                               ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
+                               : std::numeric_limits<double>::infinity();
+    const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * px;
+    for (int count = first;; count *= 2) {
+      double squares = 0.0;
+      for (const std::size_t row : rows) {
+        renderer.begin(bins_->cell(row), bins_->packets(row));
+        for (int k = 0; k < count; ++k)
+          renderer.add(*table.at(2 * k + 1, 2 * count, bins_->cell(row).y),
+                       count > 1 ? estimating_weights(k, count) : InstantWeights{});
+        std::optional<ErrorEstimate> estimate;
+        if (count > 1) squares += estimate.emplace(renderer.squares(), count).squares();
+        const std::size_t i = window_index[row];
+        if (i >= window_cells_.size()) continue;
+        progress_[i].count = progress_[i].instants = count;
+        progress_[i].estimate = estimate;
+        finish_cell(i, renderer);
+      }
+      if (squares <= allowed || 2 * count > most_chosen_instants || control_.stop.stop_requested()) return;
+    }
   }
 
   /// A cell's first instants.
@@ -156,6 +219,7 @@ class Renderer {
     const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
     renderer.begin(bins_->cell(window_cells_[i]), packets);
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+    const int row = bins_->cell(window_cells_[i]).y;
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
@@ -165,7 +229,7 @@ class Renderer {
     for (int k = 0; k < cell.count; ++k) {
       InstantWeights weights;
       if (estimated) weights = estimating_weights(k, cell.count);
-      renderer.add(*table.at(2 * k + 1, 2 * cell.count), weights);
+      renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
     }
     cell.instants = cell.count;
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
@@ -182,14 +246,17 @@ class Renderer {
 
   /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
   /// rule is the trapezoid's.
-  void double_instants(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+  void double_instants(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    CellProgress& cell = progress_[i];
+    const int row = bins_->cell(window_cells_[i]).y;
     const int count = cell.count;
     const bool at_ends = cell.instants == count;
     renderer.alternate_from_sums(count);
     const int added = at_ends ? count + 1 : count;
-    for (int i = 0; i < added; ++i) {
-      const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
-      renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
+    for (int k = 0; k < added; ++k) {
+      const float w = at_ends && (k == 0 || k == count) ? 0.5f : 1.0f;
+      renderer.add(at_ends ? *table.at(k, count, row) : *table.at(2 * k + 1, 2 * count, row),
+                   {w, -w, 0.0f, 0.0f});
     }
     cell.instants += added;
     cell.count = 2 * count;
@@ -234,7 +301,7 @@ class Renderer {
         if (begun_.so_far() + needs > seconds) return;
         step(i, [&](SampledCell& renderer) {
           renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
-          double_instants(cell, renderer, table);
+          double_instants(i, renderer, table);
         });
         refined = true;
       });
@@ -375,6 +442,8 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
     if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
+      return status.error();
+    if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
       return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {

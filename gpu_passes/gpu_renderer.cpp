@@ -102,6 +102,8 @@ Status GpuRenderOptions::validate() const {
 Status check_gpu_scene(const Scene& scene) {
   return without_throwing("to check the scene", [&]() -> Status {
     if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_row_delay(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_lifetimes(scene, "the GPU"); !status) return status;
     if (Status status = refuse_triangles(scene, "the GPU"); !status) return status;
     if (Status status = refuse_lens(scene, "the GPU"); !status) return status;
     if (scene.film.has_overscan())

@@ -44,6 +44,9 @@ Status validate(const Object& object) {
   if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
   if (object.cloud.size() > 0 && object.splats.size() > 0)
     return bad("/splats", "an object has either points or splats");
+  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
+    return bad("/triangles",
+               "lie between points that come and go; \"draw\": \"surfels\" has discs drawn instead");
   for (std::size_t t = 0; t < object.triangles.size(); ++t)
     for (const std::uint32_t corner : object.triangles[t])
       if (corner >= object.cloud.size())
@@ -69,6 +72,7 @@ Status ImageModel::validate() const {
 
 Exposure Scene::exposure() const {
   Exposure exposure{frame + shutter.open, frame + shutter.close};
+  exposure.row_delay = shutter.row_delay;
   if (shutter.curve == ShutterShape::box || exposure.instant()) return exposure;
   exposure.curve = std::make_shared<const ShutterCurve>(shutter);
   exposure.curve_open = exposure.open;
@@ -87,6 +91,23 @@ Status Scene::validate() const {
         return within("/objects/" + std::to_string(i), status.error());
     return Done{};
   });
+}
+
+Status refuse_row_delay(const Scene& scene, std::string_view renderer) {
+  if (scene.shutter.row_delay == 0.0) return Done{};
+  return bad("/shutter/row_delay",
+             "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
+}
+
+Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
+  const Exposure exposure = scene.exposure();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    for (const Lifetime& life : scene.objects[i].cloud.lifetime)
+      if (life.born > exposure.open || life.gone <= exposure.close)
+        return bad("/objects/" + std::to_string(i),
+                   "has points that come or go while the shutter is open, which " + std::string(renderer) +
+                       " does not draw");
+  return Done{};
 }
 
 Status refuse_splats(const Scene& scene, std::string_view renderer) {

@@ -33,6 +33,7 @@ struct Shutter {
   double opening = 0.25, closing = 0.25;  ///< of a trapezoid: the shares of τ that its ramps take, ≤ 1 in all
   double delta = 3.0;                     ///< δ of a Gaussian
   std::vector<double> rates = {};         ///< of a table: light at evenly spaced τ, lines between; any unit
+  double row_delay = 0.0;                 ///< as Exposure::row_delay
 };
 
 struct FrameRate {
@@ -56,6 +57,17 @@ struct ImageModel {
   int segments = 0;              ///< linear motion segments over the shutter; 0: as many as it takes
 
   [[nodiscard]] Status validate() const;
+};
+
+/// What is said of motion for the whole scene.
+struct MotionModel {
+  /// How points of keyed files move from key to key. It is read when clouds are loaded; what is rendered
+  /// follows SurfelCloud::path.
+  KeyPath path = KeyPath::linear;
+  /// How far chords of a path may be from it, px, where paths are cut into linear segments point by point;
+  /// rims may be off by 2.5 times as much. 0: 0.1 px for objects whose points' own paths curve, and the
+  /// others are cut all alike (linear_segments()).
+  double tolerance_px = 0.0;
 };
 
 /// In what values splats are blended.
@@ -102,6 +114,7 @@ struct Scene {
   FrameRate fps;
   Eigen::Vector4f background = Eigen::Vector4f::Zero();  ///< linear, premultiplied RGBA
   ImageModel model;
+  MotionModel motion;
   SplatModel splats;
   std::vector<Object> objects;
 
@@ -111,6 +124,13 @@ struct Scene {
   /// Ranges and counts of all the parts; the error's field is a JSON-pointer-like path.
   [[nodiscard]] Status validate() const;
 };
+
+/// An error that names the shutter's row delay, of a renderer that exposes all rows at once.
+[[nodiscard]] Status refuse_row_delay(const Scene& scene, std::string_view renderer);
+
+/// An error that names the first object with points that come or go while the shutter is open, of a renderer
+/// that has them throughout.
+[[nodiscard]] Status refuse_lifetimes(const Scene& scene, std::string_view renderer);
 
 /// An error that names the first object of splats, of a renderer that draws none: "…, which `renderer` does
 /// not draw".

@@ -4,6 +4,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "splat/motion/path.h"
 
 #include <Eigen/Geometry>
 
@@ -34,7 +39,30 @@ Status check_pose(const std::string& name, const SurfelPose& pose, std::size_t e
   return check_vectors(name + ".axis_v", pose.axis_v, expected);
 }
 
+bool any_nonzero(const PointArray<Eigen::Vector3f>& rates) {
+  return std::any_of(rates.begin(), rates.end(), [](const auto& rate) { return !rate.isZero(0.0f); });
+}
+
+/// Vectors that go with a single key.
+Status check_rates(const std::string& name, const PointArray<Eigen::Vector3f>& rates,
+                   const SurfelCloud& cloud) {
+  if (rates.empty()) return Done{};
+  if (cloud.keys.size() > 1) {
+    return Error{"", name,
+                 "belongs to a cloud with a single key, this one has " + std::to_string(cloud.keys.size())};
+  }
+  return check_vectors(name, rates, cloud.size());
+}
+
 }  // namespace
+
+bool SurfelCloud::moves() const {
+  return keys.size() > 1 || !lifetime.empty() || any_nonzero(velocity) || accelerates() || spins();
+}
+
+bool SurfelCloud::accelerates() const { return any_nonzero(acceleration); }
+
+bool SurfelCloud::spins() const { return any_nonzero(angular_velocity); }
 
 Status SurfelCloud::validate() const {
   return without_throwing("to check the points", [&]() -> Status {
@@ -47,12 +75,13 @@ Status SurfelCloud::validate() const {
       }
       if (Status s = check_pose(name + ".pose", keys[k].pose, n); !s) return s;
     }
-    if (!velocity.empty()) {
-      if (keys.size() > 1) {
-        return Error{"", "velocity",
-                     "belongs to a cloud with a single key, this one has " + std::to_string(keys.size())};
-      }
-      if (Status s = check_vectors("velocity", velocity, n); !s) return s;
+    if (Status s = check_rates("velocity", velocity, *this); !s) return s;
+    if (Status s = check_rates("acceleration", acceleration, *this); !s) return s;
+    if (Status s = check_rates("angular_velocity", angular_velocity, *this); !s) return s;
+    if (!lifetime.empty() && lifetime.size() != n) return wrong_count("lifetime", lifetime.size(), n);
+    for (std::size_t i = 0; i < lifetime.size(); ++i) {
+      if (!(lifetime[i].born <= lifetime[i].gone))
+        return Error{"", indexed("lifetime", i), "must not end before it begins"};
     }
     if (!color.empty()) {
       if (Status s = check_vectors("color", color, n); !s) return s;
@@ -72,20 +101,23 @@ Status SurfelCloud::validate() const {
   });
 }
 
-SurfelsAt::SurfelsAt(const SurfelCloud& cloud, double frame) : before_(&cloud.keys.front().pose) {
-  const std::vector<SurfelKey>& keys = cloud.keys;
-  if (keys.size() == 1) {
-    if (!cloud.velocity.empty()) velocity_ = &cloud.velocity;
-    elapsed_ = frame - keys.front().frame;
-    return;
-  }
-  const auto after = std::upper_bound(keys.begin(), keys.end(), frame,
-                                      [](double f, const SurfelKey& key) { return f < key.frame; });
-  if (after == keys.begin()) return;
-  before_ = &(after - 1)->pose;
-  if (after == keys.end()) return;
-  after_ = &after->pose;
-  t_ = (frame - (after - 1)->frame) / (after->frame - (after - 1)->frame);
+SurfelsAt::SurfelsAt(const SurfelCloud& cloud, double frame) : SurfelsAt(cloud, path_weights(cloud, frame)) {}
+
+SurfelsAt::SurfelsAt(const SurfelCloud& cloud, PathWeights weights)
+    : keys_(cloud.keys.data()), base_(&cloud.keys[weights.base].pose), weights_(std::move(weights)) {
+  if (cloud.keys.size() > 1) return;
+  if (!cloud.velocity.empty()) velocity_ = &cloud.velocity;
+  if (!cloud.acceleration.empty()) acceleration_ = &cloud.acceleration;
+  if (!cloud.angular_velocity.empty() && weights_.elapsed != 0.0) spin_ = &cloud.angular_velocity;
+}
+
+void SurfelsAt::turn(const Eigen::Vector3f& rate, SurfelInstant& at) const {
+  const Eigen::Vector3d turns = rate.cast<double>() * weights_.elapsed;
+  const double angle = turns.stableNorm();
+  if (!(angle > 0.0)) return;
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, turns / angle).toRotationMatrix();
+  at.axis_u = rotation * at.axis_u;
+  at.axis_v = rotation * at.axis_v;
 }
 
 SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame) {
@@ -98,6 +130,36 @@ void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& a
   const Eigen::Vector3d n = normal.stableNormalized(), u = n.unitOrthogonal();
   axis_u = (radius * u).cast<float>();
   axis_v = (radius * n.cross(u)).cast<float>();
+}
+
+Status shift_to_stamps(SurfelCloud& cloud, const std::vector<double>& stamps) {
+  if (cloud.keys.size() > 1) return Error{"", "stamps", "belong to a cloud with a single key"};
+  if (stamps.size() != cloud.size()) return wrong_count("stamps", stamps.size(), cloud.size());
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (!std::isfinite(stamps[i])) return Error{"", indexed("stamps", i), "is not finite"};
+    const double elapsed = cloud.keys.front().frame - stamps[i];
+    if (elapsed == 0.0) continue;
+    // The path from the stamp on, looked at when the key is.
+    const SurfelsAt moved(cloud, {.base = 0,
+                                  .others = {},
+                                  .velocity = elapsed,
+                                  .acceleration = 0.5 * elapsed * elapsed,
+                                  .elapsed = elapsed});
+    const SurfelInstant at = moved[i];
+    SurfelPose& pose = cloud.keys.front().pose;
+    pose.position[i] = at.position;
+    pose.axis_u[i] = at.axis_u.cast<float>();
+    pose.axis_v[i] = at.axis_v.cast<float>();
+    bool finite = at.position.allFinite();
+    if (!cloud.acceleration.empty()) {
+      if (cloud.velocity.empty()) cloud.velocity.assign(cloud.size(), Eigen::Vector3f::Zero());
+      cloud.velocity[i] =
+          (cloud.velocity[i].cast<double>() + elapsed * cloud.acceleration[i].cast<double>()).cast<float>();
+      finite = finite && cloud.velocity[i].allFinite();
+    }
+    if (!finite) return Error{"", indexed("stamps", i), "takes its point out of range"};
+  }
+  return Done{};
 }
 
 void align_axes(const SurfelPose& reference, SurfelPose& moving) {

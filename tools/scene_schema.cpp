@@ -201,6 +201,10 @@ Json object_schema() {
                   "say which is which; one_sided: the front alone is seen; sideless: one surface from "
                   "both sides, for normals that point either way")},
        {"segments", described(whole(1, 4096), "As image.segments, for this object")},
+       {"stamps", described(object({{"unit", words({"seconds", "frames"})},
+                                    {"zero", described(number(), "The stamp of the file's frame")},
+                                    {"sensor", transform_schema()}}),
+                            "Each point was seen at a time of its own: the file's attribute \"time\"")},
        {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")}});
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "abuffer/reference/mesh_reference.h"
+#include "abuffer/reference/posed_scene.h"
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/render_valid.h"
@@ -133,6 +134,49 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
   return rendered;
 }
 
+/// Row by row, each exposed at its own time.
+template <class Rebuild>
+Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, const Scene& scene,
+                             const ReferenceOptions& options, const RenderControl& control) {
+  Rendered whole;
+  whole.image = blank_image(scene.film);
+  const Image& window = whole.image;
+  double squares = 0.0;
+  for (int y = window.y; y < window.y + window.height; ++y) {
+    const Exposure of_row = exposure.of_row(y);
+    Scene row;
+    row.film = scene.film;
+    row.film.crop_x = window.x;
+    row.film.crop_y = y;
+    row.film.crop_width = window.width;
+    row.film.crop_height = 1;
+    row.model = scene.model;
+    row.background = scene.background;
+    RenderControl quiet = control;
+    quiet.progress = {};
+    Result<Rendered> rendered = render({[&](double tau) -> const KernelSet& { return rebuild(tau, of_row); },
+                                        of_row.instant(), "the true path, row by row"},
+                                       row, options, quiet);
+    if (!rendered) return rendered;
+    const auto width = static_cast<std::size_t>(window.width),
+               first = static_cast<std::size_t>(y - window.y) * width;
+    std::copy(rendered->image.rgba.begin(), rendered->image.rgba.end(),
+              whole.image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * first));
+    std::copy(rendered->image.depth.begin(), rendered->image.depth.end(),
+              whole.image.depth.begin() + static_cast<std::ptrdiff_t>(first));
+    const double error = rendered->statistics.counter("reference_error_rmse").value_or(0.0);
+    squares += error * error;
+    if (control.progress) control.progress(static_cast<double>(y + 1 - window.y) / window.height);
+  }
+  const double error = std::sqrt(squares / window.height);
+  whole.statistics.count("samples", options.samples);
+  whole.statistics.effect("motion blur: " + std::to_string(options.samples) +
+                          " still images of the true path for each row");
+  whole.statistics.count("reference_error_rmse", error);
+  whole.statistics.count("reference_error_psnr_db", -20.0 * std::log10(error));
+  return whole;
+}
+
 Result<Rendered> render_segments(const KernelSet& kernels, const Scene& scene,
                                  const ReferenceOptions& options, const RenderControl& control) {
   if (Status status = refuse_lens(scene, "a picture of given kernels"); !status) return status.error();
@@ -157,21 +201,32 @@ Result<Rendered> render_built(const Scene& scene, const ReferenceOptions& option
   }
   KernelSet kernels;
   double seconds = 0.0;
-  const auto rebuild = [&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
-    const bool same_eye = !moved || moved->camera.lens_point == point;
+  std::optional<reference::PosedScene> posed;
+  const bool own_paths = smooth && reference::has_own_paths(scene);
+  if (own_paths && !moved) posed.emplace(scene);
+  const auto rebuild = [&](double tau, const Eigen::Vector2d& point,
+                           const Exposure& exposed) -> const KernelSet& {
+    const bool same_eye = !moved || (moved->camera.lens_point == point && kernels.surfels > 0);
     if (!smooth && same_eye && kernels.surfels > 0) return kernels;
     Stopwatch watch;
     if (moved) moved->camera.lens_point = point;
+    if (own_paths && !same_eye) posed.emplace(*moved);
     const Scene& seen = moved ? *moved : scene;
-    const double frame = exposure.at(tau);
-    kernels = smooth ? build_kernels(seen, {frame, frame}) : build_kernels(seen);
+    const double frame = exposed.at(tau);
+    kernels = !smooth ? build_kernels(seen) : build_kernels(posed ? posed->at(frame) : seen, {frame, frame});
     seconds += watch.lap();
     return kernels;
   };
+  const bool still = nothing_moves(scene, exposure);
   Result<Rendered> rendered =
-      render({rebuild, nothing_moves(scene, exposure), smooth ? "the true path" : "linear segments",
-              lens_points(scene.camera.aperture, lens_point_count(scene))},
-             scene, options, control);
+      still || exposure.row_delay == 0.0
+          ? render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
+                      return rebuild(tau, point, exposure);
+                    },
+                    still, smooth ? "the true path" : "linear segments",
+                    lens_points(scene.camera.aperture, lens_point_count(scene))},
+                   scene, options, control)
+          : render_rows(rebuild, exposure, scene, options, control);
   if (!rendered) return rendered;
   add_kernel_counts(kernels, rendered->statistics);
   rendered->statistics.time("kernels", seconds);
@@ -212,10 +267,14 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     });
   }
   return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) -> Result<Rendered> {
-    if (on_film.camera.aperture.radius > 0.0)
+    if (on_film.camera.aperture.radius > 0.0) {
       if (Status status = refuse_triangles(on_film, "a lens"); !status) return status.error();
+      if (Status status = refuse_row_delay(on_film, "a lens"); !status) return status.error();
+    }
     if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)
       return render_built(on_film, options, control);
+    if (Status status = refuse_row_delay(on_film, "the reference along segments"); !status)
+      return status.error();
     Stopwatch watch;
     const KernelSet kernels = build_kernels(on_film);
     const double seconds = watch.lap();

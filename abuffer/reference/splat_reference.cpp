@@ -336,7 +336,7 @@ Status validate(const Scene& scene, const SplatReferenceOptions& options) {
                    "/splats/blending"};
     first = &object;
   }
-  return Done{};
+  return refuse_row_delay(scene, "the reference of Gaussian splats");
 }
 
 Rendered render(const Scene& scene, const SplatReferenceOptions& options, const RenderControl& control) {

@@ -110,8 +110,9 @@ void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) 
   v.placed = true;
   v.general_begin = v.general_end = general_.size();
   if (v.center.z() > 0.0) {
-    math_.place(object.at(p, at.pose, static_cast<float>(at.blend)), at.place, at.on_film(v.center), cell_.x,
-                cell_.y, cell_.width, cell_.height, placed);
+    PacketScratch scratch;
+    math_.place(object.at(p, at, scratch), at.place, at.on_film(v.center), cell_.x, cell_.y, cell_.width,
+                cell_.height, placed);
   } else {
     placed.seen = placed.front = placed.back = 0;
     placed.general = object.lanes[p];

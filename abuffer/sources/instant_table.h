@@ -33,9 +33,13 @@ class InstantTable {
     }
   }
 
-  /// The objects at shutter time `numerator` / `denominator`.
-  std::shared_ptr<const std::vector<ObjectInstant>> at(int numerator, int denominator) {
-    return find(-1, numerator, denominator, static_cast<double>(numerator) / denominator);
+  /// The objects at shutter time `numerator` / `denominator` of row `row` of the film; where all rows are
+  /// exposed at once, of all of them.
+  std::shared_ptr<const std::vector<ObjectInstant>> at(int numerator, int denominator, int row) {
+    const double share = static_cast<double>(numerator) / denominator;
+    // What one row sees no other does.
+    if (exposure_.row_delay != 0.0) return make(scene_, exposure_.of_row(row).at(share));
+    return find(-1, numerator, denominator, share);
   }
   /// Through point `i` of the lens at the `k`-th of `count` instants, which are evenly spaced for each point
   /// and begin at another time for each, so that those of all points together fill the exposure.
@@ -48,18 +52,19 @@ class InstantTable {
   }
 
  private:
-  std::shared_ptr<const std::vector<ObjectInstant>> find(int point, int k, int count, double time) {
+  std::shared_ptr<const std::vector<ObjectInstant>> find(int point, int k, int count, double share) {
     const std::lock_guard lock(mutex_);
     auto& entry = instants_[{point, k, count}];
-    if (!entry) {
-      auto made = std::make_shared<std::vector<ObjectInstant>>();
-      made->reserve(objects_.size());
-      const double frame = exposure_.at(time);
-      const Scene& scene = point < 0 ? scene_ : through_[static_cast<std::size_t>(point)];
-      for (const PointPackets& object : objects_) made->emplace_back(scene, object, frame);
-      entry = std::move(made);
-    }
+    if (!entry)
+      entry = make(point < 0 ? scene_ : through_[static_cast<std::size_t>(point)], exposure_.at(share));
     return entry;
+  }
+  [[nodiscard]] std::shared_ptr<const std::vector<ObjectInstant>> make(const Scene& scene,
+                                                                       double frame) const {
+    auto made = std::make_shared<std::vector<ObjectInstant>>();
+    made->reserve(objects_.size());
+    for (const PointPackets& object : objects_) made->emplace_back(scene, object, frame);
+    return made;
   }
 
   const Scene& scene_;

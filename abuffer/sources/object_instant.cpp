@@ -49,16 +49,30 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
     per_focus = 1.0 / scene.camera.at(frame).lens.focus;
   }
   const auto after = std::upper_bound(packets.frames.begin(), packets.frames.end(), frame);
-  pose = after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
-  if (pose + 1 < packets.frames.size())
-    blend = std::clamp((frame - packets.frames[pose]) / (packets.frames[pose + 1] - packets.frames[pose]),
-                       0.0, 1.0);
+  const std::size_t stretch =
+      after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
+  pose = stretch * packets.degree;
+  if (packets.spins) surfels.emplace(packets.object->cloud, frame);
+  if (stretch + 1 == packets.frames.size()) return;
+  const double first = packets.frames[stretch], last = packets.frames[stretch + 1];
+  blend = std::clamp((frame - first) / (last - first), 0.0, 1.0);
+  if (packets.degree == 1) return;
+  bernstein.assign(packets.degree + 1, 0.0);
+  bernstein[0] = 1.0;
+  for (std::size_t level = 0; level < packets.degree; ++level)
+    for (std::size_t k = level + 2; k-- > 0;)
+      bernstein[k] = (1.0 - blend) * bernstein[k] + (k > 0 ? blend * bernstein[k - 1] : 0.0);
+  bernstein.erase(bernstein.begin());
 }
 
 Eigen::Vector3d ObjectInstant::center(const PointPackets& packets, std::size_t p) const {
   const Eigen::Vector3d& origin = packets.origins[pose][p];
   if (!(blend > 0.0)) return instant.to_camera(origin);
-  return instant.to_camera(origin + blend * (packets.origins[pose + 1][p] - origin));
+  if (packets.degree == 1) return instant.to_camera(origin + blend * (packets.origins[pose + 1][p] - origin));
+  Eigen::Vector3d sum = origin;
+  for (std::size_t k = 1; k <= packets.degree; ++k)
+    sum += bernstein[k - 1] * (packets.origins[pose + k][p] - origin);
+  return instant.to_camera(sum);
 }
 
 PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius) const {
@@ -95,6 +109,7 @@ PacketPlace ObjectInstant::on_film(const Eigen::Vector3d& center) const {
 
 std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& object,
                                              const ObjectInstant& at, std::uint32_t point) {
+  if (!object.cloud.exists(point, at.instant.frame)) return std::nullopt;
   const SurfelInstant surfel = surfel_at(object.cloud, point, at.instant.frame);
   const Eigen::Vector3d axis_u = at.instant.to_camera_direction(surfel.axis_u);
   const Eigen::Vector3d axis_v = at.instant.to_camera_direction(surfel.axis_v);

@@ -30,6 +30,15 @@ Row rows_of(const Octagon& octagon, const Window& window) {
   return {static_cast<int>(low), static_cast<int>(high)};
 }
 
+/// The kernel in the shutter time of a row that is exposed so much later. False: it is not there then.
+bool delay(MovingKernel& kernel, double later) {
+  const double middle = double{kernel.t_mid()};
+  kernel.t_begin = static_cast<float>(std::clamp(kernel.t_begin - later, 0.0, 1.0));
+  kernel.t_end = static_cast<float>(std::clamp(kernel.t_end - later, 0.0, 1.0));
+  kernel.center += (kernel.t_mid() + later - middle) * kernel.velocity;
+  return kernel.t_begin < kernel.t_end;
+}
+
 }  // namespace
 
 std::vector<Shade> shades_of(const KernelSet& set) {
@@ -72,10 +81,11 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
 }
 
 // Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
-[[gnu::flatten]] void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index,
+[[gnu::flatten]] void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index,
                                 const Octagon& octagon, const RasterModel& model, const Window& window,
                                 FragmentArrays& fragments) {
-  const KernelPlane<double> plane(kernel);
+  MovingKernel kernel = of_all_rows;
+  KernelPlane<double> plane(kernel);
   const double per_pixel = 1.0 / model.projection.focal_px;
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
@@ -84,6 +94,11 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
   for (int y = rows.first; y < rows.last; ++y) {
     const Row row = row_of(octagon, window, y);
     if (row.first >= row.last) continue;
+    if (model.row_delay != 0.0) {
+      kernel = of_all_rows;
+      if (!delay(kernel, model.row_delay * y)) continue;
+      plane = KernelPlane<double>(kernel);
+    }
     fragments.ensure(static_cast<std::size_t>(row.last - row.first));
     const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;
     const std::uint32_t row_start = static_cast<std::uint32_t>((y - window.y) * window.width - window.x);

@@ -11,8 +11,7 @@
 namespace swept {
 
 FilmSurfaces::FilmSurfaces(const Scene& scene, const Exposure& exposure, bool only_standing,
-                           const SampledMath& math, const MeshMath& mesh_math, const CellGrid& grid,
-                           const std::vector<char>& wanted)
+                           const SampledMath& math, const MeshMath& mesh_math, const CellGrid& grid)
     : scene_(scene),
       exposure_(exposure),
       grid_(grid),
@@ -26,7 +25,7 @@ FilmSurfaces::FilmSurfaces(const Scene& scene, const Exposure& exposure, bool on
     Mesh mesh{&object, nullptr};
     if (still) {
       auto instant = std::make_shared<MeshInstant>(scene, object, exposure.open);
-      instant->share_out(grid, wanted);
+      instant->share_out(grid, std::vector<char>(grid.size(), 1));
       mesh.standing = std::move(instant);
     }
     meshes_.push_back(std::move(mesh));

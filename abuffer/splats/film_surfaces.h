@@ -19,9 +19,9 @@ namespace swept {
 
 class FilmSurfaces {
  public:
-  /// Runs in the caller's task arena. `wanted`: of the cells, those that are ever asked for.
+  /// Runs in the caller's task arena.
   FilmSurfaces(const Scene& scene, const Exposure& exposure, bool only_standing, const SampledMath& math,
-               const MeshMath& mesh_math, const CellGrid& grid, const std::vector<char>& wanted);
+               const MeshMath& mesh_math, const CellGrid& grid);
   // Threads' memory refers to it.
   FilmSurfaces(const FilmSurfaces&) = delete;
   FilmSurfaces& operator=(const FilmSurfaces&) = delete;

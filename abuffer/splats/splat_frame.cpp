@@ -53,9 +53,9 @@ class SplatFrame {
     out.image = blank_image(scene_.film);
     image_ = &out.image;
     const std::size_t which = implementation_of(options_, sampled_maths().count);
-    surfaces_ = std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing,
-                                               sampled_maths().first[which], mesh_maths().first[which], grid_,
-                                               wanted_of_window());
+    surfaces_ =
+        std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing,
+                                       sampled_maths().first[which], mesh_maths().first[which], grid_);
     out.statistics.time("packets", watch.lap());
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
@@ -176,7 +176,7 @@ void SplatFrame::forecast() {
     motion_->look_for_ways(scene_, sets_, frame, standing, math_, grid_);
     const FilmStill still =
         draw_still(grid_, standing, SplatRow(scene_, sets_, true, frame, math_, grid_, all), *surfaces_,
-                   surfaces_->at(share), painters_, share == 0.5 ? wanted_of_window() : none, cells_);
+                   surfaces_->at(share, all), painters_, share == 0.5 ? wanted_of_window() : none, cells_);
     ++placed_instants_;
     const ErrorForecast errors(still, *motion_, scene_.splats.dilation_px2);
     parallel_for_each_index(cells_.size(), [&](std::size_t c) {

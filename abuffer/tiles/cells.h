@@ -1,4 +1,5 @@
-// The film in cells of 64 × 64 pixels, and which packets of points come by in each.
+// The film in cells of 64 × 64 pixels, or of 64 × 1 where each row is exposed at a time of its own, and which
+// packets of points come by in each.
 //
 // Cells are of the film, not of the crop: what is decided for one does not depend on what else is asked for.
 #pragma once
@@ -43,7 +44,7 @@ struct PacketRef {
 
 class PacketBins {
  public:
-  /// Follows every packet over the exposure. Runs in the caller's task arena.
+  /// Follows every packet over the exposure, of all rows. Runs in the caller's task arena.
   PacketBins(const Scene& scene, const Exposure& exposure, const std::vector<PointPackets>& objects);
 
   [[nodiscard]] std::size_t cell_count() const { return starts_.size() - 1; }
@@ -53,13 +54,14 @@ class PacketBins {
   [[nodiscard]] std::span<const PacketRef> packets(std::size_t cell) const {
     return std::span(entries_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
   }
-  /// How far a packet's centre moves across the film over the exposure, px; 0 only where it stands still.
+  /// How far a packet's centre moves across the film over a row's exposure, px; 0 only where it stands still.
   [[nodiscard]] float motion_px(PacketRef packet) const { return motion_[packet.object][packet.packet]; }
 
  private:
   void follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets, std::size_t object);
 
   Film film_;
+  int cell_height_;  ///< px
   std::size_t columns_, rows_;
   std::vector<std::vector<float>> motion_;
   std::vector<std::size_t> starts_;

@@ -6,6 +6,7 @@
 
 #include "abuffer/tiles/path_frames.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/path.h"
 
 namespace swept {
 namespace {
@@ -40,6 +41,17 @@ void MeshMotion::follow(const Scene& scene, const Object& object, const Exposure
   std::vector<double> frames;
   for (const SurfelKey& key : object.cloud.keys)
     if (key.frame > exposure.open && key.frame < exposure.close) frames.push_back(key.frame);
+  // Between two looks a curve must not bend both ways.
+  if (object.cloud.curved() && !exposure.instant()) {
+    std::vector<double> ends(frames);
+    ends.insert(ends.begin(), exposure.open);
+    ends.push_back(exposure.close);
+    const std::size_t parts = std::max<std::size_t>(8, 2 * path_degree(object.cloud));
+    for (std::size_t k = 1; k < ends.size(); ++k)
+      for (std::size_t part = 1; part < parts; ++part)
+        frames.push_back(ends[k - 1] +
+                         (ends[k] - ends[k - 1]) * static_cast<double>(part) / static_cast<double>(parts));
+  }
   frames = path_frames(scene, object, frames, exposure);
   const double farthest = 4.0 * (grid.film.width + grid.film.height);
   // What turns too fast to be followed may be anywhere.

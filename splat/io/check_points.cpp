@@ -80,7 +80,9 @@ Status PointSet::validate() const {
                                       {"axis_u", &axis_u},
                                       {"axis_v", &axis_v},
                                       {"color", &color},
-                                      {"velocity", &velocity}}) {
+                                      {"velocity", &velocity},
+                                      {"acceleration", &acceleration},
+                                      {"angular_velocity", &angular_velocity}}) {
       if (Status s = check_vectors(name, *array, n); !s) return s;
     }
     if (Status s =
@@ -89,6 +91,9 @@ Status PointSet::validate() const {
       return s;
     }
     if (Status s = check_numbers("opacity", opacity, n, 1.0f, "must lie in [0, 1]"); !s) return s;
+    if (!time.empty() && time.size() != n) return wrong_count("time", time.size(), n);
+    for (std::size_t i = 0; i < time.size(); ++i)
+      if (!std::isfinite(time[i])) return Error{"", "time[" + std::to_string(i) + "]", "is not finite"};
     if (!id.empty() && id.size() != n) return wrong_count("id", id.size(), n);
     return check_triangles(triangle, n);
   });

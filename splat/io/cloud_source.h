@@ -19,6 +19,19 @@ namespace SWEPT_API swept {
 /// What a file's velocities are measured in; files do not say.
 enum class VelocityUnit { per_second, per_frame, ignore };
 
+/// What the time stamps of a file's points are measured in.
+enum class StampUnit { seconds, frames };
+
+/// How points of a single file that were each seen at a time of their own are read (model section 7).
+struct TimeStamps {
+  StampUnit unit = StampUnit::seconds;
+  double zero = 0.0;  ///< the stamp of a point that was seen at the file's frame
+  /// Where the sensor was: each point stands where this has it at its own time, and stays there; and turned
+  /// likewise. None: points are in the object's space, and move there by their own rates from their own time
+  /// on.
+  TransformTrack sensor = {};
+};
+
 /// A pose of the cloud and the frame it is for.
 struct KeyFile {
   double frame = 0.0;
@@ -43,6 +56,8 @@ struct CloudSource {
   std::optional<double> color_range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space
   double delta = 3.0;                     ///< δ of the kernel, for Gaussian files
+  KeyPath path = KeyPath::linear;         ///< of several files
+  std::optional<TimeStamps> stamps;       ///< of a single file
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.

@@ -17,7 +17,11 @@ namespace {
 
 /// Attributes that a generator does not know about.
 Status apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
-  if (source.velocity == VelocityUnit::ignore) cloud.velocity.clear();
+  if (source.velocity == VelocityUnit::ignore) {
+    cloud.velocity.clear();
+    cloud.acceleration.clear();
+    cloud.angular_velocity.clear();
+  }
   if (source.color) cloud.color.assign(cloud.size(), *source.color);
   if (source.color_by_normals) {
     if (Status s = color_by_normals(cloud); !s) return s;
@@ -58,6 +62,8 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.color_by_normals = source.color_by_normals;
   cloud.normals_toward = source.normals_toward;
   cloud.delta = scene.model.delta;
+  cloud.path = scene.motion.path;
+  cloud.stamps = source.stamps;
   return cloud;
 }
 
@@ -83,8 +89,9 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
     return loaded;
   }
   CloudSource cloud = cloud_source(source, scene_);
-  double first = scene_.frame + scene_.shutter.open, last = scene_.frame + scene_.shutter.close;
-  Result<io::SourceFiles> files = io::source_files(source, first, last);
+  const Exposure all = scene_.exposure().of_all_rows(scene_.film.height);
+  double first = all.open, last = all.close;
+  Result<io::SourceFiles> files = io::source_files(source, scene_);
   if (!files) return source_error(source, files.error());
   cloud.files = std::move(files->files);
   if (const auto* file = std::get_if<FileSource>(&source.points)) {

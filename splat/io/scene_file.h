@@ -72,6 +72,7 @@ struct ObjectSource {
   /// Without it, splats where a single file holds trained ones, else surfels.
   std::optional<DrawAs> draw;
   VelocityUnit velocity = VelocityUnit::per_second;
+  std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
   bool color_by_normals = false;                              ///< the same, from each disc's normal
   Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated

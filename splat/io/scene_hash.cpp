@@ -47,9 +47,13 @@ Result<std::string> SceneFile::hash_of(double frame) const {
   io::ContentHash hash;
   hash.add_part(canonical_);
   hash.add_part(shortest_text(frame));
+  Scene at_frame;
+  at_frame.frame = frame;
+  at_frame.film = scene_.film;
+  at_frame.shutter = scene_.shutter;
+  at_frame.motion = scene_.motion;
   for (const ObjectSource& source : sources_) {
-    const Result<io::SourceFiles> files =
-        io::source_files(source, frame + scene_.shutter.open, frame + scene_.shutter.close);
+    const Result<io::SourceFiles> files = io::source_files(source, at_frame);
     if (!files) return source_error(source, files.error());
     for (const KeyFile& key : files->files) {
       // A file that is shown at many frames is read once.

@@ -16,6 +16,7 @@ std::string disc_member(const ObjectSource& source, const Object& object) {
   if (!object.two_sided || source.sideless) return "facing";
   if (!file.attributes.empty()) return "source/attributes";
   if (!file.end_path.empty()) return "source/end_file";
+  if (source.stamps) return "stamps";
   if (file.stored.range) return "source/color_range";
   if (file.stored.space) return "source/color_space";
   return {};
