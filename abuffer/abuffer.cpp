@@ -293,6 +293,8 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
                                 const RenderControl& control) {
   const bool per_interval = options.normalisation == Normalisation::interval;
   const Exposure exposure = scene.exposure();
+  if (scene.camera.aperture.radius > 0.0)
+    if (Status status = refuse_row_delay(scene, "a lens"); !status) return status.error();
   // Rows at instants of their own are stills, too.
   if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
   if (per_interval && nothing_moves(scene, exposure)) return render_still(scene, options, control);

@@ -49,12 +49,12 @@ class Renderer {
 
   Result<Rendered> render() {
     if (scene_.camera.aperture.radius > 0.0) {
+      if (Status status = refuse_row_delay(scene_, "a lens"); !status) return status.error();
       if (options_.max_seconds > 0.0)
         return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
                      ErrorKind::unsupported};
-      if (exposure_.row_delay != 0.0)
-        return Error{"", "/shutter/row_delay", "does not go with a lens", ErrorKind::unsupported};
-      if (options_.error_channel) return Error{"", "error_channel", "a lens has no estimate of its error"};
+      if (options_.error_channel)
+        return Error{"", "error_channel", "a lens has no estimate of its error", ErrorKind::unsupported};
       lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
     }
     const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
@@ -441,9 +441,9 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (mixed) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
-      return status.error();
     if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
+      return status.error();
+    if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
       return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {

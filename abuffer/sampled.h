@@ -45,7 +45,7 @@ struct SampledOptions {
 /// Rendered::parts are the cells.
 ///
 /// A lens is looked through at all its points, each at instants of its own: the error is not estimated then,
-/// and neither `max_seconds` nor `error_channel` can be had, nor splats.
+/// and neither `max_seconds` nor `error_channel` can be had, nor splats or triangles.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

@@ -78,7 +78,8 @@ int lens_point_count(const Scene& scene) {
 Status refuse_lens(const Scene& scene, std::string_view renderer) {
   if (!(scene.camera.aperture.radius > 0.0)) return Done{};
   return Error{"", "/camera/lens",
-               "the lens blurs what is out of focus, which " + std::string(renderer) + " does not do"};
+               "the lens blurs what is out of focus, which " + std::string(renderer) + " does not do",
+               ErrorKind::unsupported};
 }
 
 }  // namespace swept

@@ -1,4 +1,5 @@
-// A thin lens as points that it is looked through (model section 15).
+// A thin lens as points that it is looked through (model section 16). Functions that return vectors throw
+// std::bad_alloc.
 #pragma once
 
 #include <string_view>

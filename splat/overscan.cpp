@@ -8,6 +8,10 @@ Scene widened(const Scene& scene) {
   const Film& own = scene.film;
   film = {own.window_width(), own.window_height()};
   const double height = own.height, taller = film.height / height;
+  // Rows keep their times: the first is another one now.
+  const double sooner = scene.shutter.row_delay * own.overscan_top;
+  wide.shutter.open -= sooner;
+  wide.shutter.close -= sooner;
   const auto widen = [&](auto& keys) {
     for (auto& key : keys) {
       key.tan_half_fov_y *= taller;

@@ -10,7 +10,7 @@
 namespace swept {
 
 /// The same picture of a film that has the overscan within it: focal length and principal point stay where
-/// they are, in pixels. A copy of the whole scene.
+/// they are, in pixels. A copy of the whole scene. Throws std::bad_alloc.
 [[nodiscard]] Scene widened(const Scene& scene);
 
 /// render(scene), or of a scene with overscan that of the widened scene, seen from the scene's own film.

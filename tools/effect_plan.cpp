@@ -24,7 +24,8 @@ std::string reason(const Scene& scene, const Object& object, const Exposure& exp
 }
 
 std::string sides_text(const ObjectPlan& plan) {
-  if (plan.splats) return "no sides";
+  if (plan.splats) return "Gaussian splats";
+  if (plan.triangles) return plan.one_sided ? "triangles, the front alone" : "triangles";
   if (plan.one_sided) return "the front alone";
   if (plan.oriented == 0) return "one side: which is front is not known";
   if (plan.oriented == plan.points) return "two sides";
@@ -47,10 +48,11 @@ nlohmann::ordered_json ObjectPlan::json() const {
           {"segments", segments},
           {"layered", layered},
           {"splats", splats},
-          {"sides", splats          ? "none"
-                    : one_sided     ? "front"
-                    : oriented == 0 ? "one"
-                                    : "two"},
+          {"triangles", triangles},
+          {"sides", splats || triangles ? "none"
+                    : one_sided         ? "front"
+                    : oriented == 0     ? "one"
+                                        : "two"},
           {"points", points},
           {"points_with_sides", oriented},
           {"lens_points", lens_points}};
@@ -65,10 +67,11 @@ std::vector<ObjectPlan> effect_plan(const Scene& scene) {
     ObjectPlan plan;
     plan.name = object.name;
     plan.splats = object.splats.size() > 0;
+    plan.triangles = !object.triangles.empty();
     plan.points = plan.splats ? object.splats.size() : cloud.size();
     plan.why = reason(scene, object, exposure);
     const bool still = stands_still(scene, object, exposure);
-    if (!still && !plan.splats) plan.segments = linear_segments(scene, object, exposure);
+    if (!still && !plan.splats && !plan.triangles) plan.segments = linear_segments(scene, object, exposure);
     plan.motion = still ? "still" : plan.segments > 1 ? "curved" : "straight";
     plan.layered = plan.splats ||
                    std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o < 1.0f; });

@@ -18,6 +18,7 @@ struct ObjectPlan {
   int segments = 1;                      ///< linear ones, of the exact method
   bool layered = false;                  ///< light gets through somewhere
   bool splats = false;                   ///< trained ones, sampled in time, and without sides
+  bool triangles = false;                ///< a mesh, sampled in time, whose edges are sampled too
   bool one_sided = false;                ///< the front alone is seen
   std::size_t points = 0, oriented = 0;  ///< and those of them whose front and back are two surfaces
   int lens_points = 1;                   ///< that all of it is seen through; 1: no lens

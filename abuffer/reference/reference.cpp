@@ -136,9 +136,8 @@ Result<Rendered> render(const Source& source, const Scene& scene, const Referenc
 
 /// Row by row, each exposed at its own time.
 template <class Rebuild>
-Result<Rendered> render_rows(const Rebuild& rebuild, const std::vector<Eigen::Vector2d>& lens,
-                             const Exposure& exposure, const Scene& scene, const ReferenceOptions& options,
-                             const RenderControl& control) {
+Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, const Scene& scene,
+                             const ReferenceOptions& options, const RenderControl& control) {
   Rendered whole;
   whole.image = blank_image(scene.film);
   const Image& window = whole.image;
@@ -155,10 +154,8 @@ Result<Rendered> render_rows(const Rebuild& rebuild, const std::vector<Eigen::Ve
     row.background = scene.background;
     RenderControl quiet = control;
     quiet.progress = {};
-    Result<Rendered> rendered = render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
-                                          return rebuild(tau, of_row, point);
-                                        },
-                                        of_row.instant(), "the true path, row by row", lens},
+    Result<Rendered> rendered = render({[&](double tau) -> const KernelSet& { return rebuild(tau, of_row); },
+                                        of_row.instant(), "the true path, row by row"},
                                        row, options, quiet);
     if (!rendered) return rendered;
     const auto width = static_cast<std::size_t>(window.width),
@@ -205,35 +202,31 @@ Result<Rendered> render_built(const Scene& scene, const ReferenceOptions& option
   KernelSet kernels;
   double seconds = 0.0;
   std::optional<reference::PosedScene> posed;
-  if (smooth && reference::has_own_paths(scene)) posed.emplace(scene);
-  const auto rebuild = [&](double tau, const Exposure& exposed,
-                           const Eigen::Vector2d& point) -> const KernelSet& {
-    const bool same_eye = !moved || moved->camera.lens_point == point;
+  const bool own_paths = smooth && reference::has_own_paths(scene);
+  if (own_paths && !moved) posed.emplace(scene);
+  const auto rebuild = [&](double tau, const Eigen::Vector2d& point,
+                           const Exposure& exposed) -> const KernelSet& {
+    const bool same_eye = !moved || (moved->camera.lens_point == point && kernels.surfels > 0);
     if (!smooth && same_eye && kernels.surfels > 0) return kernels;
     Stopwatch watch;
     if (moved) moved->camera.lens_point = point;
+    if (own_paths && !same_eye) posed.emplace(*moved);
     const Scene& seen = moved ? *moved : scene;
     const double frame = exposed.at(tau);
-    if (posed && moved) {
-      Scene both = posed->at(frame);
-      both.camera = moved->camera;
-      kernels = build_kernels(both, {frame, frame});
-    } else {
-      kernels = smooth ? build_kernels(posed ? posed->at(frame) : seen, {frame, frame}) : build_kernels(seen);
-    }
+    kernels = !smooth ? build_kernels(seen) : build_kernels(posed ? posed->at(frame) : seen, {frame, frame});
     seconds += watch.lap();
     return kernels;
   };
   const bool still = nothing_moves(scene, exposure);
-  const std::vector<Eigen::Vector2d> lens = lens_points(scene.camera.aperture, lens_point_count(scene));
   Result<Rendered> rendered =
       still || exposure.row_delay == 0.0
           ? render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
-                      return rebuild(tau, exposure, point);
+                      return rebuild(tau, point, exposure);
                     },
-                    still, smooth ? "the true path" : "linear segments", lens},
+                    still, smooth ? "the true path" : "linear segments",
+                    lens_points(scene.camera.aperture, lens_point_count(scene))},
                    scene, options, control)
-          : render_rows(rebuild, lens, exposure, scene, options, control);
+          : render_rows(rebuild, exposure, scene, options, control);
   if (!rendered) return rendered;
   add_kernel_counts(kernels, rendered->statistics);
   rendered->statistics.time("kernels", seconds);
@@ -253,7 +246,8 @@ Status ReferenceOptions::validate() const {
 Result<Rendered> render_reference(const KernelSet& kernels, const Scene& scene,
                                   const ReferenceOptions& options, const RenderControl& control) {
   if (scene.film.has_overscan())
-    return Error{"", "/film/overscan", "is no part of the picture that given kernels are of"};
+    return Error{"", "/film/overscan", "is no part of the picture that given kernels are of",
+                 ErrorKind::unsupported};
   return render_valid(scene, options, control,
                       [&](const auto&...) { return render_segments(kernels, scene, options, control); });
 }
@@ -273,8 +267,10 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     });
   }
   return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) -> Result<Rendered> {
-    if (on_film.camera.aperture.radius > 0.0)
+    if (on_film.camera.aperture.radius > 0.0) {
       if (Status status = refuse_triangles(on_film, "a lens"); !status) return status.error();
+      if (Status status = refuse_row_delay(on_film, "a lens"); !status) return status.error();
+    }
     if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)
       return render_built(on_film, options, control);
     if (Status status = refuse_row_delay(on_film, "the reference along segments"); !status)

@@ -52,19 +52,19 @@ class InstantTable {
   }
 
  private:
+  std::shared_ptr<const std::vector<ObjectInstant>> find(int point, int k, int count, double share) {
+    const std::lock_guard lock(mutex_);
+    auto& entry = instants_[{point, k, count}];
+    if (!entry)
+      entry = make(point < 0 ? scene_ : through_[static_cast<std::size_t>(point)], exposure_.at(share));
+    return entry;
+  }
   [[nodiscard]] std::shared_ptr<const std::vector<ObjectInstant>> make(const Scene& scene,
                                                                        double frame) const {
     auto made = std::make_shared<std::vector<ObjectInstant>>();
     made->reserve(objects_.size());
     for (const PointPackets& object : objects_) made->emplace_back(scene, object, frame);
     return made;
-  }
-  std::shared_ptr<const std::vector<ObjectInstant>> find(int point, int k, int count, double time) {
-    const std::lock_guard lock(mutex_);
-    auto& entry = instants_[{point, k, count}];
-    if (!entry)
-      entry = make(point < 0 ? scene_ : through_[static_cast<std::size_t>(point)], exposure_.at(time));
-    return entry;
   }
 
   const Scene& scene_;
