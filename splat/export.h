@@ -1,5 +1,5 @@
-// What a shared library shows: the namespace of every public header is opened as `namespace SWEPT_API swept`,
-// and all else in it stays hidden.
+// What a shared library shows: the namespace of every public header, and of those that other libraries of
+// ours use, is opened as `namespace SWEPT_API swept`, and all else in it stays hidden.
 #pragma once
 
 #if defined(__GNUC__) && !defined(_WIN32)

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/interval/fragments.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// A rectangle of pixels of the whole film.
 struct Window {

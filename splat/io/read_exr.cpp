@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -150,7 +151,9 @@ Result<Image> read_whole(const std::string& path) {
 Status check_file(const std::string& path, bool with_scanlines) {
   std::error_code problem;
   const std::uintmax_t file_bytes = std::filesystem::file_size(path, problem);
-  if (problem) return Error{path, "", "cannot be read: " + problem.message()};
+  if (problem)
+    return Error{path, "", "cannot be read: " + problem.message(),
+                 problem == std::errc::no_such_file_or_directory ? ErrorKind::not_found : ErrorKind::device};
   if (Status status = check_exr_attributes(path, file_bytes); !status) return status;
   return check_header(path, file_bytes, with_scanlines);
 }
@@ -167,6 +170,8 @@ Result<ExrOrigin> read_exr_origin(const std::string& path) {
         return attribute == nullptr ? std::string() : attribute->value();
       };
       return ExrOrigin{text("sceneHash"), text("method")};
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& unreadable) {
       return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
     }
@@ -181,6 +186,8 @@ Result<Image> read_checked(const std::string& path, Result<Image> (*read)(const 
     if (const Status status = check_file(path, false); !status) return status.error();
     try {
       return read(path);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& unreadable) {
       return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
     }

@@ -7,9 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/motion/instant.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// A stretch of a point's path, camera space. Times are shares of the light, 0 to 1.
 struct PathSegment {

@@ -3,9 +3,10 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct Instant {
   double frame = 0.0;

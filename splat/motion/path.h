@@ -9,9 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// The degree of the paths: 1 where they are straight. Turning discs do not count.
 [[nodiscard]] std::size_t path_degree(const SurfelCloud& cloud);
