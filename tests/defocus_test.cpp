@@ -75,8 +75,8 @@ Scene speck() {
 constexpr double focal_px = 48.0;  // of the stage: 48 px of height to tan ½
 
 TEST(Defocus, APointHasTheLensesShape) {
-  // The speck itself, convolved with the pixel filter: a Gaussian cut off at its radius, of which soft coverage
-  // doubles what there is.
+  // The speck itself, convolved with the pixel filter: a Gaussian cut off at its radius, of which soft
+  // coverage doubles what there is.
   const double own = 0.01 * focal_px / 8.0, square = 1.0 + own * own, cut = std::exp(-3.0);
   const double total = 2.0 * (own * own / square) * std::numbers::pi * square * (1.0 - cut) / 3.0;
   const double spread = square * (1.0 / 3.0 - cut / (1.0 - cut));

@@ -14,7 +14,7 @@ namespace swept {
 namespace {
 
 constexpr double chord_tolerance_px = 0.1;  // chords err to one side, and in the middle most
-constexpr double rim_tolerance_px = 0.25;  // frozen axes err to both sides; the mean over the points counts
+constexpr double rim_tolerance_px = 0.25;   // frozen axes err to both sides; the mean over the points counts
 constexpr int probed_segments = 8;
 constexpr std::size_t sample_size = 1024;
 
