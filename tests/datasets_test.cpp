@@ -47,7 +47,7 @@ Disc disc(const swept::SurfelCloud& cloud, std::size_t i) {
 }
 
 template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+bool same_bits(const swept::PointArray<T>& a, const swept::PointArray<T>& b) {
   if (a.size() != b.size()) return false;
   return a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }

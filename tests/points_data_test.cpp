@@ -221,7 +221,7 @@ TEST(PointsDataTest, GaussiansKeepScaleColourAndOpacity) {
   ASSERT_EQ(loaded.cloud.size(), 9080u);
   ASSERT_EQ(loaded.cloud.opacity.size(), 9080u);
   ASSERT_EQ(loaded.cloud.color.size(), 9080u);
-  std::vector<float> opacity = loaded.cloud.opacity;
+  std::vector<float> opacity(loaded.cloud.opacity.begin(), loaded.cloud.opacity.end());
   std::nth_element(opacity.begin(), opacity.begin() + 4540, opacity.end());
   EXPECT_NEAR(opacity[4540], 0.06, 0.005);  // "median 0.06", says its README
   const SurfelPose& pose = loaded.cloud.keys[0].pose;

@@ -119,11 +119,11 @@ TEST_F(SplatPlyTest, DegreeComesFromTheNumberOfHarmonics) {
 TEST_F(SplatPlyTest, InfiniteOpacitiesAreOpaqueOrNothing) {
   Fields fields;
   fields.set("opacity", INFINITY);
-  EXPECT_EQ(loaded(fields.bytes()).splats.opacity.at(0), 1.0f);
+  EXPECT_EQ(loaded(fields.bytes()).splats.opacity[0], 1.0f);
   fields.set("opacity", -INFINITY);
-  EXPECT_EQ(loaded(fields.bytes()).splats.opacity.at(0), 0.0f);
+  EXPECT_EQ(loaded(fields.bytes()).splats.opacity[0], 0.0f);
   fields.set("opacity", -1000.0);
-  EXPECT_EQ(loaded(fields.bytes()).splats.opacity.at(0), 0.0f);
+  EXPECT_EQ(loaded(fields.bytes()).splats.opacity[0], 0.0f);
 }
 
 TEST_F(SplatPlyTest, WithoutTheThirdScaleTheyAreFlat) {

@@ -201,7 +201,7 @@ TEST(SpzTest, AFileMaySayItsAxes) {
     made.extensions = le32(0xADBE0003) + le32(4) + le32(system);
     const Result<LoadedSplats> file = read(made.bytes());
     EXPECT_TRUE(file.ok()) << file.error().message();
-    return file.ok() ? file->splats.position.at(1).y() : 0.0;
+    return file.ok() ? file->splats.position[1].y() : 0.0;
   };
   EXPECT_EQ(y(6), -2.5);
   EXPECT_EQ(y(4), 2.5);
