@@ -17,6 +17,7 @@
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
 #include "abuffer/sampled.h"
+#include "abuffer/through_lens.h"
 #include "abuffer/tiles/bins.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/motion/segments.h"
@@ -58,7 +59,11 @@ class TileRenderer {
       : set_(set),
         shades_(shades),
         background_(scene.background.cast<double>()),
-        raster_{set.projection, set.near, scene.model.delta},
+        raster_{set.projection, set.near, scene.model.delta,
+                static_cast<std::uint32_t>(shades.size() - set.kernels.size()),
+                scene.shutter.row_delay == 0.0
+                    ? 0.0
+                    : scene.shutter.row_delay / (scene.shutter.close - scene.shutter.open)},
         fragment_limit_(options.tile_fragments),
         stop_(std::move(stop)),
         standing_(standing),
@@ -247,9 +252,24 @@ Result<Rendered> render_standing(const Scene& scene, const AbufferOptions& optio
                                  const RenderControl& control) {
   SampledOptions instant;
   instant.samples = 1;
-  instant.only_standing = true;
+  // Rows at instants of their own stand still each by itself.
+  instant.only_standing = !scene.exposure().instant();
   if (!options.simd) instant.implementation = 0;
   return render_sampled(scene, instant, control);
+}
+
+/// What the sweep cannot do with rows that are exposed one after the other.
+Status check_rows(const Scene& scene) {
+  if (scene.shutter.row_delay == 0.0) return Done{};
+  if (scene.shutter.curve != ShutterShape::box)
+    return Error{
+        "", "/shutter/curve",
+        "with a row delay the A-buffer has rows that are exposed evenly; --method sampled has others"};
+  const auto asks = [](const Object& object) { return object.segments > 0; };
+  if (scene.model.segments > 0 || std::any_of(scene.objects.begin(), scene.objects.end(), asks))
+    return Error{"", "/image/segments",
+                 "with a row delay the A-buffer cuts paths point by point, by \"motion\".\"tolerance_px\""};
+  return Done{};
 }
 
 /// A scene in which nothing moves. What the sweep counts did not happen.
@@ -272,7 +292,16 @@ Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options,
 Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options,
                                 const RenderControl& control) {
   const bool per_interval = options.normalisation == Normalisation::interval;
-  if (per_interval && nothing_moves(scene, scene.exposure())) return render_still(scene, options, control);
+  const Exposure exposure = scene.exposure();
+  if (scene.camera.aperture.radius > 0.0)
+    if (Status status = refuse_row_delay(scene, "a lens"); !status) return status.error();
+  // Rows at instants of their own are stills, too.
+  if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
+  if (per_interval && nothing_moves(scene, exposure)) return render_still(scene, options, control);
+  if (scene.camera.aperture.radius > 0.0)
+    return render_through_lens(scene, control, [&](const Scene& pinhole, const RenderControl& part) {
+      return render_checked(pinhole, options, part);
+    });
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -281,10 +310,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   out.image = blank_image(scene.film);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
-  std::vector<Shade> shades;
-  shades.reserve(set.kernels.size());
-  for (const MovingKernel& k : set.kernels)
-    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
+  const std::vector<Shade> shades = shades_of(set);
   out.statistics.time("bins", watch.lap());
   // Points that stand still in a cloud that moves are not in it, and then it is of no use.
   std::optional<Image> standing;
@@ -330,6 +356,8 @@ Status AbufferOptions::validate() const {
 Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options,
                                 const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
+  if (Status status = check_rows(scene); !status) return status.error();
+  if (Status status = refuse_triangles(scene, "the A-buffer"); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }
 

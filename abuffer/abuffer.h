@@ -3,13 +3,14 @@
 
 #include <cstddef>
 
+#include "splat/export.h"
 #include "splat/interval/composite.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// None of these changes a bit of the image but `normalisation`.
 struct AbufferOptions {
@@ -24,6 +25,8 @@ struct AbufferOptions {
 
 /// Renders the scene's film window. The result is the same, bit for bit, for any thread count, tile size and
 /// order of the scene's points, and a crop equals those pixels of the whole frame.
+///
+/// A lens takes a copy of the scene, and a sweep for each of its points.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 /// control.max_bytes is not looked at: tile_fragments is what bounds memory beside the kernels.

@@ -7,18 +7,17 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
-#include <new>
 #include <optional>
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "abuffer/parallel.h"
+#include "abuffer/render_valid.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 #include "splat/motion/instant.h"
+#include "splat/overscan.h"
 
 namespace swept {
 namespace {
@@ -42,6 +41,7 @@ struct SeenDisc {
 
 struct Pixel {
   double depth = std::numeric_limits<double>::infinity(), tolerance = 0.0;  ///< of the nearest
+  int side = 0;  ///< likewise: 1 front, −1 back, 0 not known
   double weight = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   Eigen::Vector2d forward = Eigen::Vector2d::Zero(), backward = Eigen::Vector2d::Zero();
@@ -78,10 +78,11 @@ class LayerRenderer {
     }
   }
 
-  std::vector<ImageChannel> render() {
+  std::vector<ImageChannel> render(const std::stop_token& stop) {
     bin();
     name_channels();
     parallel_for_each_index(bands_.size(), [&](std::size_t index) {
+      throw_if_stopped(stop);
       const int y = static_cast<int>(index) * band_height;
       Band band{window_.y + y, std::min(band_height, window_.height - y), {}};
       band.pixels.resize(static_cast<std::size_t>(band.height) * static_cast<std::size_t>(window_.width));
@@ -103,6 +104,7 @@ class LayerRenderer {
 
   [[nodiscard]] std::optional<SeenDisc> disc_of(const Ref& ref) const {
     const Placed& placed = placed_[ref.object];
+    if (!placed.object->cloud.exists(ref.point, placed.middle.frame)) return std::nullopt;
     const SurfelInstant surfel = surfel_at(placed.object->cloud, ref.point, placed.middle.frame);
     const Eigen::Vector3d axis_u = placed.middle.to_camera_direction(surfel.axis_u);
     const Eigen::Vector3d axis_v = placed.middle.to_camera_direction(surfel.axis_v);
@@ -113,8 +115,9 @@ class LayerRenderer {
     kernel.axis_u = disc.axis_u.cast<float>();
     kernel.axis_v = disc.axis_v.cast<float>();
     kernel.facing.setZero();
-    if (!placed.object->two_sided)
-      kernel.facing = (placed.side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    const Eigen::Vector3f outside = (placed.side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    if (!placed.object->two_sided) kernel.facing = outside;
+    if (placed.object->cloud.is_oriented(ref.point)) kernel.outside = outside;
     const double tolerance = scene_.model.depth_tolerance * disc.size;
     constexpr double largest = 1e30;
     Octagon octagon;
@@ -161,7 +164,8 @@ class LayerRenderer {
     }
   }
 
-  /// Calls visit(pixel, disc, point in camera space, weight) where the disc of `ref` is met in the band.
+  /// Calls visit(pixel, disc, point in camera space, side that is seen, weight) where the disc of `ref` is
+  /// met in the band.
   template <class Visit>
   void meet(const Ref& ref, Band& band, const Visit& visit) const {
     const auto disc = disc_of(ref);
@@ -178,16 +182,21 @@ class LayerRenderer {
         if (!(weight > 0.0)) continue;
         const auto pixel = static_cast<std::size_t>(y - band.y) * static_cast<std::size_t>(window_.width) +
                            static_cast<std::size_t>(x - window_.x);
-        visit(band.pixels[pixel], *disc, Eigen::Vector3d(at.z * ray_x, at.z * ray_y, at.z), weight);
+        const int side = !disc->plane.oriented() ? 0 : disc->plane.shows_back(ray_x, ray_y) ? -1 : 1;
+        visit(band.pixels[pixel], *disc, Eigen::Vector3d(at.z * ray_x, at.z * ray_y, at.z), side, weight);
       }
   }
 
   void find_nearest(const Ref& ref, Band& band) const {
-    meet(ref, band, [](Pixel& pixel, const SeenDisc& disc, const Eigen::Vector3d& at, double) {
-      // Of equally near ones the most tolerant leads.
-      if (at.z() > pixel.depth || (at.z() == pixel.depth && disc.tolerance <= pixel.tolerance)) return;
+    meet(ref, band, [](Pixel& pixel, const SeenDisc& disc, const Eigen::Vector3d& at, int side, double) {
+      // Of equally near ones the front leads, and of these the most tolerant.
+      if (at.z() > pixel.depth) return;
+      if (at.z() == pixel.depth &&
+          (side < pixel.side || (side == pixel.side && disc.tolerance <= pixel.tolerance)))
+        return;
       pixel.depth = at.z();
       pixel.tolerance = disc.tolerance;
+      pixel.side = side;
     });
   }
 
@@ -233,8 +242,8 @@ class LayerRenderer {
       const Eigen::Vector3d from_eye = placed.middle.world_from_object * surfel.position - placed.middle.eye;
       if (normal.dot(from_eye) > 0.0) normal = -normal;
     }
-    meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, double weight) {
-      if (at.z() > pixel.depth + pixel.tolerance) return;
+    meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, int side, double weight) {
+      if (at.z() > pixel.depth + pixel.tolerance || side * pixel.side < 0) return;
       pixel.weight += weight;
       pixel.normal += weight * normal;
       if (!choice_.motion) return;
@@ -288,17 +297,23 @@ class LayerRenderer {
 
 Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,
                                                 const RenderControl& control) {
-  if (Status status = control.validate(); !status) return status.error();
-  if (Status status = scene.validate(); !status) return status.error();
-  if (!choice.any()) return std::vector<ImageChannel>();
-  if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
-  try {
-    const int available = tbb::info::default_concurrency();
-    tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, available) : available);
-    return arena.execute([&] { return LayerRenderer(scene, choice).render(); });
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory for the layers"};
-  }
+  using Layers = Result<std::vector<ImageChannel>>;
+  return without_throwing("for the layers", [&]() -> Layers {
+    if (Status status = control.validate(); !status) return status.error();
+    if (Status status = scene.validate(); !status) return status.error();
+    if (!choice.any()) return std::vector<ImageChannel>();
+    if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
+    if (Status status = refuse_row_delay(scene, "the pass of the layers"); !status) return status.error();
+    if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
+    return run_in_arena(
+        control,
+        [&]() -> Layers {
+          if (!scene.film.has_overscan()) return LayerRenderer(scene, choice).render(control.stop);
+          const Scene wide = widened(scene);
+          return LayerRenderer(wide, choice).render(control.stop);
+        },
+        "for the layers");
+  });
 }
 
 }  // namespace swept

@@ -3,12 +3,13 @@
 
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/image.h"
 #include "splat/render_control.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct LayerChoice {
   bool normal = false, motion = false, coverage = false;
@@ -30,9 +31,10 @@ struct LayerChoice {
 ///
 /// While the shutter opens and closes at once the vectors are those of an instant: of points that move from
 /// file to file, as far as the scene holds two of them. A point that is before the near plane at the other
-/// end has no vectors: 0. The result does not depend on the number of threads.
+/// end has no vectors: 0. A lens counts as a pinhole in its middle. The result does not depend on the number
+/// of threads.
 ///
-/// Errors: scene or control out of range, not enough memory.
+/// Errors: scene or control out of range, not enough memory, and a pass that was stopped.
 [[nodiscard]] Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,
                                                               const RenderControl& control = {});
 

@@ -9,6 +9,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
@@ -27,6 +28,8 @@
 
 #include <tbb/task_arena.h>
 #endif
+
+#include "splat/without_throwing.h"
 
 namespace swept {
 
@@ -75,9 +78,11 @@ void parallel_for_parts(const Range& range, const Body& body) {
 
 inline constexpr bool thread_sanitizer = false;
 
+/// A loop of a render that is stopped (run_in_arena) leaves out what it has not begun, and throws Stopped.
 template <class Range, class Body>
 void parallel_for_parts(const Range& range, const Body& body) {
   tbb::parallel_for(range, body);
+  if (tbb::is_current_task_group_canceling()) throw Stopped();
 }
 
 #endif
@@ -86,7 +91,11 @@ void parallel_for_parts(const Range& range, const Body& body) {
 template <class Body>
 void parallel_for_each_index(std::size_t count, const Body& body) {
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, count), [&](const auto& part) {
-    for (std::size_t index = part.begin(); index != part.end(); ++index) body(index);
+    for (std::size_t index = part.begin(); index != part.end(); ++index) {
+      // Parts may be long; of many indices each takes no time.
+      if ((count < 4096 || index % 256 == 0) && tbb::is_current_task_group_canceling()) return;
+      body(index);
+    }
   });
 }
 

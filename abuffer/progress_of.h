@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "splat/render_control.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 
@@ -27,7 +28,7 @@ class ProgressOf {
 
  private:
   void tell(double share) {
-    if (share > told_) control_.progress(told_ = share);
+    if (share > told_) call_back(control_.progress, told_ = share);
   }
 
   const RenderControl& control_;

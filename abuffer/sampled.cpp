@@ -22,6 +22,7 @@
 #include "abuffer/splats/splat_frame.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -47,16 +48,29 @@ class Renderer {
       : scene_(scene), options_(options), control_(control), exposure_(scene.exposure()) {}
 
   Result<Rendered> render() {
-    const std::size_t bytes = packed_bytes(scene_, exposure_);
+    if (scene_.camera.aperture.radius > 0.0) {
+      if (Status status = refuse_row_delay(scene_, "a lens"); !status) return status.error();
+      if (options_.max_seconds > 0.0)
+        return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
+                     ErrorKind::unsupported};
+      if (options_.error_channel)
+        return Error{"", "error_channel", "a lens has no estimate of its error", ErrorKind::unsupported};
+      lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
+    }
+    const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
+    const std::size_t bytes = packed_bytes(scene_, all_rows);
+    if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
+      return Error{"", "max_seconds", "does not go with rows that are exposed one after the other"};
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
       return Error{"", "max_bytes",
                    "points and what is kept of cells between refinements take " +
                        std::to_string(bytes + kept_bytes()) + " bytes"};
     Stopwatch watch;
     Rendered out;
-    const std::vector<PointPackets> objects = pack_points(scene_, exposure_, options_.only_standing);
+    const std::vector<PointPackets> objects = pack_points(scene_, all_rows, options_.only_standing);
     out.statistics.time("packets", watch.lap());
     const PacketBins bins(scene_, exposure_, objects);
     out.statistics.time("bins", watch.lap());
@@ -72,11 +86,14 @@ class Renderer {
         options_.implementation < 0
             ? maths.count - 1
             : std::min(static_cast<std::size_t>(options_.implementation), maths.count - 1);
-    InstantTable table(scene_, exposure_, objects);
+    InstantTable table = lens_.empty() ? InstantTable(scene_, exposure_, objects)
+                                       : InstantTable(scene_, exposure_, objects, lens_);
     tbb::enumerable_thread_specific<SampledCell> cells(
         [&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
-    if (options_.max_seconds > 0.0) {
+    if (exposure_.row_delay != 0.0 && options_.samples == 0) {
+      render_rows(cells, table);
+    } else if (options_.max_seconds > 0.0) {
       render_for(options_.max_seconds, cells, table);
     } else {
       ProgressOf done(control_, window_cells_.size());
@@ -135,9 +152,66 @@ class Renderer {
                                  : std::numeric_limits<double>::infinity();
       const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
       while (cell.squares() > allowed && cell.count < most_chosen_instants)
-        double_instants(cell, renderer, table);
+        double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
+  }
+
+  /// Cells of a single row say too little about their error: those of a square share their number of
+  /// instants, which begins anew when it doubles.
+  void render_rows(tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+    const std::size_t columns = static_cast<std::size_t>((scene_.film.width + cell_px - 1) / cell_px);
+    const std::size_t squares_down = static_cast<std::size_t>((scene_.film.height + cell_px - 1) / cell_px);
+    std::vector<std::size_t> window_index(bins_->cell_count(), bins_->cell_count());
+    for (std::size_t i = 0; i < window_cells_.size(); ++i) window_index[window_cells_[i]] = i;
+    ProgressOf done(control_, columns * squares_down);
+    parallel_for_parts(tbb::blocked_range<std::size_t>(0, columns * squares_down, 1), [&](const auto& range) {
+      for (std::size_t square = range.begin(); square != range.end(); ++square) {
+        std::vector<std::size_t> rows;
+        bool seen = false;
+        for (std::size_t y = square / columns * cell_px;
+             y < std::min((square / columns + 1) * cell_px, bins_->cell_count() / columns); ++y) {
+          rows.push_back(y * columns + square % columns);
+          seen = seen || window_index[rows.back()] < window_cells_.size();
+        }
+        if (seen && !control_.stop.stop_requested()) render_square(rows, window_index, cells.local(), table);
+        done.one_more();
+      }
+    });
+  }
+
+  void render_square(const std::vector<std::size_t>& rows, const std::vector<std::size_t>& window_index,
+                     SampledCell& renderer, InstantTable& table) {
+    double px = 0.0;
+    int first = 1;
+    for (const std::size_t row : rows) {
+      const Cell cell = bins_->cell(row);
+      px += double{1.0} * cell.width * cell.height;
+      if (!exposure_.instant())
+        first = std::max(first,
+                         first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
+    }
+    const double of_cell = options_.max_cell_error_db > 0.0
+                               ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
+                               : std::numeric_limits<double>::infinity();
+    const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * px;
+    for (int count = first;; count *= 2) {
+      double squares = 0.0;
+      for (const std::size_t row : rows) {
+        renderer.begin(bins_->cell(row), bins_->packets(row));
+        for (int k = 0; k < count; ++k)
+          renderer.add(*table.at(2 * k + 1, 2 * count, bins_->cell(row).y),
+                       count > 1 ? estimating_weights(k, count) : InstantWeights{});
+        std::optional<ErrorEstimate> estimate;
+        if (count > 1) squares += estimate.emplace(renderer.squares(), count).squares();
+        const std::size_t i = window_index[row];
+        if (i >= window_cells_.size()) continue;
+        progress_[i].count = progress_[i].instants = count;
+        progress_[i].estimate = estimate;
+        finish_cell(i, renderer);
+      }
+      if (squares <= allowed || 2 * count > most_chosen_instants || control_.stop.stop_requested()) return;
+    }
   }
 
   /// A cell's first instants.
@@ -145,30 +219,44 @@ class Renderer {
     const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
     renderer.begin(bins_->cell(window_cells_[i]), packets);
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+    const int row = bins_->cell(window_cells_[i]).y;
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
+    if (!lens_.empty()) return begin_behind_lens(cell, renderer, table);
     const bool estimated =
         motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
       InstantWeights weights;
       if (estimated) weights = estimating_weights(k, cell.count);
-      renderer.add(*table.at(2 * k + 1, 2 * cell.count), weights);
+      renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
     }
     cell.instants = cell.count;
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
   }
 
+  /// Each point of the lens at instants of its own, as many in all as it takes or more.
+  void begin_behind_lens(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+    const auto points = static_cast<int>(lens_.size());
+    const int instants = (cell.count + points - 1) / points;
+    for (int point = 0; point < points; ++point)
+      for (int k = 0; k < instants; ++k) renderer.add(*table.through_lens(point, k, instants), {});
+    cell.instants = cell.count = points * instants;
+  }
+
   /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
   /// rule is the trapezoid's.
-  void double_instants(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
+  void double_instants(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    CellProgress& cell = progress_[i];
+    const int row = bins_->cell(window_cells_[i]).y;
     const int count = cell.count;
     const bool at_ends = cell.instants == count;
     renderer.alternate_from_sums(count);
     const int added = at_ends ? count + 1 : count;
-    for (int i = 0; i < added; ++i) {
-      const float w = at_ends && (i == 0 || i == count) ? 0.5f : 1.0f;
-      renderer.add(at_ends ? *table.at(i, count) : *table.at(2 * i + 1, 2 * count), {w, -w, 0.0f, 0.0f});
+    for (int k = 0; k < added; ++k) {
+      const float w = at_ends && (k == 0 || k == count) ? 0.5f : 1.0f;
+      renderer.add(at_ends ? *table.at(k, count, row) : *table.at(2 * k + 1, 2 * count, row),
+                   {w, -w, 0.0f, 0.0f});
     }
     cell.instants += added;
     cell.count = 2 * count;
@@ -213,7 +301,7 @@ class Renderer {
         if (begun_.so_far() + needs > seconds) return;
         step(i, [&](SampledCell& renderer) {
           renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
-          double_instants(cell, renderer, table);
+          double_instants(i, renderer, table);
         });
         refined = true;
       });
@@ -303,7 +391,13 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
+    if (!lens_.empty()) {
+      s.count("lens_points", static_cast<double>(lens_.size()));
+      s.effect("depth of field: instants paired with " + std::to_string(lens_.size()) +
+               " points of the lens");
+    }
+    if (lens_.empty() && (options_.samples == 0 || options_.error_channel))
+      count_expected_error(squares, px, worst, s);
     s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                       : "motion blur: skipped, nothing moves during the exposure");
     s.effect(std::string("arithmetic: ") + math.name);
@@ -315,6 +409,7 @@ class Renderer {
   Exposure exposure_;
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
+  std::vector<Eigen::Vector2d> lens_;  ///< the points that it is looked through; empty: there is none
   std::vector<std::size_t> window_cells_;
   double allowed_mean_square_ = 0.0;
   std::vector<CellProgress> progress_;
@@ -340,14 +435,19 @@ Status SampledOptions::validate() const {
 
 Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options,
                                 const RenderControl& control) {
-  const bool of_splats = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                     [](const Object& object) { return object.splats.size() > 0; });
-  if (of_splats) {
+  const bool mixed = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
+    return object.splats.size() > 0 || !object.triangles.empty();
+  });
+  if (mixed) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
+    if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
+      return status.error();
+    if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
+      return status.error();
   }
   return render_valid(scene, options, control, [&](const auto&... all) {
-    return of_splats ? render_splats(all...) : Renderer(all...).render();
+    return mixed ? render_splats(all...) : Renderer(all...).render();
   });
 }
 

@@ -2,12 +2,13 @@
 // film as the error asked for takes. Source: model section 12.
 #pragma once
 
+#include "splat/export.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct SampledOptions {
   /// Instants in every cell in which something moves, at the midpoints of so many strata of the exposure; [1,
@@ -42,6 +43,9 @@ struct SampledOptions {
 /// "most_instants" in any cell, and unless `samples` alone is given "expected_rmse" and "expected_psnr_db" of
 /// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
 /// Rendered::parts are the cells.
+///
+/// A lens is looked through at all its points, each at instants of its own: the error is not estimated then,
+/// and neither `max_seconds` nor `error_channel` can be had, nor splats or triangles.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "datasets/shape.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -98,18 +99,23 @@ Result<std::vector<GeneratorParameter>> generator_parameters(const std::string& 
 
 Result<SurfelCloud> generate(const std::string& shape, std::size_t points,
                              const std::map<std::string, double>& parameters) {
-  const Result<Shape> found = find_shape(shape);
-  if (!found) return found.error();
-  if (points < 1 || points > kMaxGeneratedPoints) {
-    return Error{"", "points", "must be from 1 to " + std::to_string(kMaxGeneratedPoints)};
-  }
-  Result<std::map<std::string, double>> values = complete(parameters_of(*found), parameters);
-  if (!values) return values.error();
-  try {
-    return found->build(datasets::Request(points, *std::move(values)));
-  } catch (const std::bad_alloc&) {
-    return Error{"", "points", "not enough memory for " + std::to_string(points) + " points"};
-  }
+  return without_throwing("for the points", [&]() -> Result<SurfelCloud> {
+    const Result<Shape> found = find_shape(shape);
+    if (!found) return found.error();
+    if (points < 1 || points > kMaxGeneratedPoints) {
+      return Error{"", "points", "must be from 1 to " + std::to_string(kMaxGeneratedPoints)};
+    }
+    Result<std::map<std::string, double>> values = complete(parameters_of(*found), parameters);
+    if (!values) return values.error();
+    try {
+      Result<SurfelCloud> cloud = found->build(datasets::Request(points, *std::move(values)));
+      if (cloud && found->surface) cloud->oriented.assign(cloud->size(), 1);
+      return cloud;
+    } catch (const std::bad_alloc&) {
+      return Error{"", "points", "not enough memory for " + std::to_string(points) + " points",
+                   ErrorKind::out_of_memory};
+    }
+  });
 }
 
 }  // namespace swept

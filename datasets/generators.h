@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/result.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// One number a generator takes.
 struct GeneratorParameter {

@@ -36,6 +36,7 @@ struct Shape {
   std::string name;
   std::vector<GeneratorParameter> parameters;  ///< its own, without the shared ones
   Result<SurfelCloud> (*build)(const Request&);
+  bool surface = true;  ///< its points have an outside; else they are particles
 };
 
 /// Each defined in the shape_*.cpp of its name.

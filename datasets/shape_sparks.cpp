@@ -45,7 +45,8 @@ Shape sparks_shape() {
            {"gravity", 0.006, 0, 1e3, false, "object units per frame squared"},
            {"life", 24, 1e-3, 1e4, false, "age of the oldest, frames"},
            {"cover", 0.1, 1e-9, 1e4, false, "area of all discs together, object units squared"}},
-          build};
+          build,
+          false};
 }
 
 }  // namespace swept::datasets

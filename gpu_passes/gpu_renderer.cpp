@@ -11,7 +11,9 @@
 #include "gpu_passes/device/gl_errors.h"
 #include "gpu_passes/six_pass/pass_runner.h"
 #include "gpu_passes/six_pass/subframes.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -98,16 +100,27 @@ Status GpuRenderOptions::validate() const {
 }
 
 Status check_gpu_scene(const Scene& scene) {
-  if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const std::vector<float>& opacity = scene.objects[i].cloud.opacity;
-    for (const float value : opacity)
-      if (value < 1.0f)
-        return Error{"", "/objects/" + std::to_string(i),
-                     "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
-                     "A-buffer"};
-  }
-  return Done{};
+  return without_throwing("to check the scene", [&]() -> Status {
+    if (Status status = refuse_splats(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_row_delay(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_lifetimes(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_triangles(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_lens(scene, "the GPU"); !status) return status;
+    if (scene.film.has_overscan())
+      return Error{"", "/film/overscan", "is beyond the film, where the GPU does not draw",
+                   ErrorKind::unsupported};
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+      const PointArray<float>& opacity = scene.objects[i].cloud.opacity;
+      for (const float value : opacity)
+        if (value < 1.0f)
+          return Error{
+              "", "/objects/" + std::to_string(i),
+              "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
+              "A-buffer",
+              ErrorKind::unsupported};
+    }
+    return Done{};
+  });
 }
 
 class GpuRenderer::Implementation {
@@ -140,7 +153,7 @@ class GpuRenderer::Implementation {
   std::size_t pending() const { return pending_.size(); }
   std::size_t most_pending() const { return most_pending_; }
 
-  Status submit(const Scene& scene, const GpuRenderOptions& options) {
+  Status submit(const Scene& scene, const GpuRenderOptions& options, const RenderControl& control) {
     if (pending_.size() == most_pending_)
       return Error{"", "frames_in_flight", std::to_string(most_pending_) + " are pending; collect one first"};
     const CurrentContext current(context_);
@@ -161,13 +174,16 @@ class GpuRenderer::Implementation {
     Counts counts;
     const double seconds_begin = watch.lap();
     for (int j = 0; j < subframes.count(); ++j) {
+      throw_if_stopped(control.stop);
       const KernelSet set = subframes.kernels(j);
       const std::vector<Instance> instances = make_instances(set, window);
       counts.add(set, instances.size());
       seconds_kernels += watch.lap();
       runner_->draw_subframe(instances);
       seconds_issue += watch.lap();
+      if (control.progress) call_back(control.progress, (j + 1.0) / subframes.count());
     }
+    throw_if_stopped(control.stop);
     Result<DrawnFrame> drawn = runner_->end_frame(std::exchange(spare_buffer_, {}));
     if (!drawn) return drawn.error();
     Statistics statistics;
@@ -222,9 +238,11 @@ class GpuRenderer::Implementation {
 };
 
 Result<GpuRenderer> GpuRenderer::create(const GpuOptions& options) {
-  Result<std::unique_ptr<Implementation>> made = Implementation::create(options);
-  if (!made) return made.error();
-  return GpuRenderer(std::move(*made));
+  return without_throwing("for the GPU", [&]() -> Result<GpuRenderer> {
+    Result<std::unique_ptr<Implementation>> made = Implementation::create(options);
+    if (!made) return made.error();
+    return GpuRenderer(std::move(*made));
+  });
 }
 
 GpuRenderer::GpuRenderer(std::unique_ptr<Implementation> implementation)
@@ -238,29 +256,27 @@ const GpuDevice& GpuRenderer::device() const { return implementation_->device();
 std::size_t GpuRenderer::pending() const { return implementation_->pending(); }
 std::size_t GpuRenderer::most_pending() const { return implementation_->most_pending(); }
 
-Status GpuRenderer::submit(const Scene& scene, const GpuRenderOptions& options) {
-  if (Status status = options.validate(); !status) return status;
-  if (Status status = scene.validate(); !status) return status;
-  if (Status status = check_gpu_scene(scene); !status) return status;
-  try {
-    return implementation_->submit(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the frame"};
-  }
+Status GpuRenderer::submit(const Scene& scene, const GpuRenderOptions& options,
+                           const RenderControl& control) {
+  return without_throwing("to render the frame", [&]() -> Status {
+    if (Status status = options.validate(); !status) return status;
+    if (Status status = scene.validate(); !status) return status;
+    if (Status status = check_gpu_scene(scene); !status) return status;
+    if (Status status = control.validate(); !status) return status;
+    return implementation_->submit(scene, options, control);
+  });
 }
 
 Result<Rendered> GpuRenderer::collect() {
-  try {
-    return implementation_->collect();
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to read the frame back"};
-  }
+  return without_throwing("to read the frame back",
+                          [&]() -> Result<Rendered> { return implementation_->collect(); });
 }
 
-Result<Rendered> GpuRenderer::render(const Scene& scene, const GpuRenderOptions& options) {
+Result<Rendered> GpuRenderer::render(const Scene& scene, const GpuRenderOptions& options,
+                                     const RenderControl& control) {
   if (pending() > 0)
     return Error{"", "frames_in_flight", std::to_string(pending()) + " are pending; collect them first"};
-  if (Status status = submit(scene, options); !status) return status.error();
+  if (Status status = submit(scene, options, control); !status) return status.error();
   return collect();
 }
 

@@ -28,11 +28,13 @@
 #include <string>
 #include <vector>
 
+#include "splat/export.h"
+#include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct GpuDevice {
   std::string id;  ///< index of an EGL device, or "surfaceless"
@@ -90,14 +92,17 @@ class GpuRenderer {
 
   /// The film window of the scene, drawn and collected. Errors: as of submit() and collect(), and frames that
   /// are still to be collected. Stays usable after an error.
-  [[nodiscard]] Result<Rendered> render(const Scene& scene, const GpuRenderOptions& options = {});
+  [[nodiscard]] Result<Rendered> render(const Scene& scene, const GpuRenderOptions& options = {},
+                                        const RenderControl& control = {});
 
   /// Has the device draw the scene, and returns before it has; the scene is not needed any more. With many
-  /// sub-frames it waits until all but the last two are drawn.
+  /// sub-frames it waits until all but the last two are drawn. Of `control` stop and progress are looked at,
+  /// between sub-frames; a frame that was stopped is not pending.
   /// Errors: options or scene out of range, opacity below 1, a film larger than the device's, not enough
   /// memory on either side, GpuOptions::frames_in_flight frames that are to be collected first. What was
   /// submitted before is still to be had.
-  [[nodiscard]] Status submit(const Scene& scene, const GpuRenderOptions& options = {});
+  [[nodiscard]] Status submit(const Scene& scene, const GpuRenderOptions& options = {},
+                              const RenderControl& control = {});
 
   /// The frame submitted first of those not collected; waits until it is drawn. Statistics time each pass by
   /// the GPU's own clock where it has one, summed over sub-frames. Errors: nothing is pending, not enough

@@ -2,6 +2,7 @@
 // "does not move" is decided by equality: interpolation is a + t (b − a), and rotations that agree are
 // not interpolated at all.
 #include "splat/camera.h"
+#include "splat/without_throwing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +69,8 @@ bool same_values(const LookAtKey& a, const LookAtKey& b) {
 }
 
 Lens interpolate(const Lens& a, const Lens& b, double t) {
-  return {a.stretch_x + t * (b.stretch_x - a.stretch_x), a.shift + t * (b.shift - a.shift)};
+  return {a.stretch_x + t * (b.stretch_x - a.stretch_x), a.shift + t * (b.shift - a.shift),
+          a.focus + t * (b.focus - a.focus)};
 }
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& axis, double radians) {
@@ -211,6 +213,27 @@ Status validate_look_ats(const std::vector<LookAtKey>& keys) {
   return Done{};
 }
 
+Status validate_aperture(const Aperture& aperture) {
+  if (!(aperture.radius >= 0.0 && aperture.radius <= 1e9))
+    return Error{"", "/lens/aperture", "must be between 0 and 2e9 world units"};
+  if (aperture.blades != 0 && !(aperture.blades >= 3 && aperture.blades <= 64))
+    return Error{"", "/lens/blades", "must be between 3 and 64"};
+  if (!std::isfinite(aperture.rotation_radians))
+    return Error{"", "/lens/rotation", "the angle is not a finite number"};
+  if (aperture.samples < 0 || aperture.samples > 4096)
+    return Error{"", "/lens/samples", "must be between 1 and 4096, or 0 to have them chosen"};
+  return Done{};
+}
+
+/// Of a camera with a lens.
+template <class Key>
+Status validate_focus(const std::vector<Key>& keys) {
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (!(keys[i].lens.focus > 0.0) || !std::isfinite(keys[i].lens.focus))
+      return bad(i, "/focus", "a lens needs the distance that is in focus, a finite number above 0");
+  return Done{};
+}
+
 Status validate_poses(const std::vector<CameraKey>& keys) {
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (Status common = validate_common(keys, i); !common) return common;
@@ -239,6 +262,19 @@ bool TransformTrack::constant_over(double first, double last) const {
 }
 
 CameraInstant CameraTrack::at(double frame) const {
+  CameraInstant camera = pinhole_at(frame);
+  if (lens_point.isZero(0.0)) return camera;
+  // With p the point and F the focus a point (x, y, z) is seen at (x − p)/z + p/F: from a moved eye, with a
+  // moved principal point. A film's height is 2 tan_half_fov_y at depth 1.
+  const Eigen::Matrix3d rotation = camera.camera_from_world.linear();
+  camera.eye += rotation.transpose() * Eigen::Vector3d(lens_point.x(), lens_point.y(), 0.0);
+  camera.camera_from_world.translation() = -(rotation * camera.eye);
+  const double heights = 1.0 / (2.0 * camera.tan_half_fov_y * camera.lens.focus);
+  camera.lens.shift += heights * Eigen::Vector2d(camera.lens.stretch_x * lens_point.x(), lens_point.y());
+  return camera;
+}
+
+CameraInstant CameraTrack::pinhole_at(double frame) const {
   if (!poses.empty()) {
     const auto [a, b, t] = bracket(poses, frame);
     const Eigen::Quaterniond orientation =
@@ -267,11 +303,19 @@ bool CameraTrack::constant_over(double first, double last) const {
 }
 
 Status CameraTrack::validate() const {
-  if (poses.empty() == look_ats.empty())
-    return Error{"", "/keys", "a camera needs keys of one kind: poses or look-ats"};
-  if (!(near > 0.0) || !std::isfinite(near))
-    return Error{"", "/near", "the near distance must be a finite number above 0"};
-  return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
+  return without_throwing("to check the camera", [&]() -> Status {
+    if (poses.empty() == look_ats.empty())
+      return Error{"", "/keys", "a camera needs keys of one kind: poses or look-ats"};
+    if (!(near > 0.0) || !std::isfinite(near))
+      return Error{"", "/near", "the near distance must be a finite number above 0"};
+    if (Status status = validate_aperture(aperture); !status) return status;
+    if (!lens_point.allFinite()) return Error{"", "/lens", "the point on the lens is not finite"};
+    if (aperture.radius > 0.0 || !lens_point.isZero(0.0)) {
+      if (Status status = poses.empty() ? validate_focus(look_ats) : validate_focus(poses); !status)
+        return status;
+    }
+    return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
+  });
 }
 
 Projection projection_of(const Film& film, double tan_half_fov_y, const Lens& lens) {

@@ -10,10 +10,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/exposure.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// One key of an object's motion: x ↦ translate + rotate(scale · x).
 ///
@@ -43,10 +44,20 @@ struct Lens {
   /// Principal point, where the view direction meets the film, from the film's middle: x right, y down, in
   /// heights of the film, −1000 to 1000.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  double focus = 0.0;  ///< depth that is in focus, world units; 0: not said, as a pinhole need not
 
   friend bool operator==(const Lens& a, const Lens& b) {
-    return a.stretch_x == b.stretch_x && a.shift == b.shift;
+    return a.stretch_x == b.stretch_x && a.shift == b.shift && a.focus == b.focus;
   }
+};
+
+/// The opening that light comes in through: a disc, or a regular polygon within it.
+struct Aperture {
+  double radius = 0.0;  ///< of the disc, world units; 0: a pinhole, with everything in focus
+  int blades = 0;       ///< corners of the polygon, 3 to 64; 0: a disc
+  double rotation_radians =
+      0.0;          ///< of the polygon's first corner from the camera's x axis towards its y axis
+  int samples = 0;  ///< points that the lens is looked through, up to 4096; 0: chosen
 };
 
 /// One key of the camera: a pose and a lens. The focal length is a tangent, so that it does not depend on
@@ -86,20 +97,38 @@ struct CameraTrack {
   std::vector<CameraKey> poses;
   std::vector<LookAtKey> look_ats;
   double near = 1e-3;  ///< world units, > 0: what is nearer is not seen
+  Aperture aperture{};
+  /// The point of the lens that at() looks through, from its middle along the camera's x and y axes, world
+  /// units. What is in focus stays where it is on the film.
+  Eigen::Vector2d lens_point = Eigen::Vector2d::Zero();
 
   [[nodiscard]] CameraInstant at(double frame) const;
   [[nodiscard]] bool constant_over(double first, double last) const;
   /// Singular bases (eye on target, up along the view), bad fields of view and unsorted keys.
   [[nodiscard]] Status validate() const;
+
+ private:
+  [[nodiscard]] CameraInstant pinhole_at(double frame) const;
 };
 
 /// Film resolution and the window of it to compute.
 struct Film {
   int width = 1024, height = 576;                               ///< px, ≥ 1
   int crop_x = 0, crop_y = 0, crop_width = 0, crop_height = 0;  ///< px; width 0: the whole film
+  /// Pixels beyond the film's edges that are computed besides; without a crop.
+  int overscan_left = 0, overscan_top = 0, overscan_right = 0, overscan_bottom = 0;
 
-  [[nodiscard]] int window_width() const { return crop_width > 0 ? crop_width : width; }
-  [[nodiscard]] int window_height() const { return crop_height > 0 ? crop_height : height; }
+  [[nodiscard]] bool has_overscan() const {
+    return overscan_left > 0 || overscan_top > 0 || overscan_right > 0 || overscan_bottom > 0;
+  }
+  [[nodiscard]] int window_x() const { return crop_x - overscan_left; }
+  [[nodiscard]] int window_y() const { return crop_y - overscan_top; }
+  [[nodiscard]] int window_width() const {
+    return crop_width > 0 ? crop_width : width + overscan_left + overscan_right;
+  }
+  [[nodiscard]] int window_height() const {
+    return crop_height > 0 ? crop_height : height + overscan_top + overscan_bottom;
+  }
 };
 
 /// Pixel coordinates from camera-space directions: x_px = center_x + focal_px · x/z, and the same in

@@ -4,9 +4,10 @@
 
 #include <memory>
 
+#include "splat/export.h"
 #include "splat/shutter_curve.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Frames, shutter times and keys beyond this either way are refused: a frame is lost in the rounding of
 /// larger numbers.
@@ -21,6 +22,9 @@ struct Exposure {
   std::shared_ptr<const ShutterCurve> curve = {};  ///< null: even light
   /// Of the whole exposure, of which this may be a part: when the curve begins and ends.
   double curve_open = 0.0, curve_close = 0.0;
+  /// Frames by which each row of the film is exposed later than the one above it; the top row is exposed as
+  /// said. Below 0: earlier.
+  double row_delay = 0.0;
 
   [[nodiscard]] bool instant() const { return open == close; }
   /// Frame at shutter time `share` in [0, 1], 0 being open.
@@ -36,6 +40,23 @@ struct Exposure {
     return last > first ? (curve_share(frame) - first) / (last - first) : 0.0;
   }
   [[nodiscard]] double middle() const { return 0.5 * (open + close); }
+  /// The exposure of row `y` of the film, all of it at once.
+  [[nodiscard]] Exposure of_row(int y) const {
+    Exposure result = *this;
+    const double later = row_delay * y;
+    result.open += later;
+    result.close += later;
+    result.curve_open += later;
+    result.curve_close += later;
+    result.row_delay = 0.0;
+    return result;
+  }
+  /// From when the first row's exposure begins until the last one's ends, evenly, of a film of so many rows.
+  [[nodiscard]] Exposure of_all_rows(int rows) const {
+    if (row_delay == 0.0) return *this;
+    const double later = row_delay * (rows - 1);
+    return {open + (later < 0.0 ? later : 0.0), close + (later > 0.0 ? later : 0.0)};
+  }
   /// The exposure from shutter time `first` to `last`.
   [[nodiscard]] Exposure part(double first, double last) const {
     Exposure result = *this;

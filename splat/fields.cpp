@@ -97,6 +97,16 @@ std::vector<Field> make_fields() {
                    number<&S::film, &Film::crop_height>("HEIGHT", 1, most_side_px)},
        .least = 4,
        .if_zero = "the whole film"},
+      {.pointer = "/film/overscan",
+       .option = "--overscan",
+       .unit = "px",
+       .help = "pixels that are computed beyond the film's edges",
+       .numbers = {number<&S::film, &Film::overscan_left>("LEFT", 0, most_side_px),
+                   number<&S::film, &Film::overscan_top>("TOP", 0, most_side_px),
+                   number<&S::film, &Film::overscan_right>("RIGHT", 0, most_side_px),
+                   number<&S::film, &Film::overscan_bottom>("BOTTOM", 0, most_side_px)},
+       .least = 4,
+       .if_zero = "none"},
       {.pointer = "/fps",
        .option = "--fps",
        .separator = '/',
@@ -141,6 +151,23 @@ std::vector<Field> make_fields() {
        .count = [](const Scene& scene) { return scene.shutter.rates.size(); },
        .resize = [](Scene& scene, std::size_t count) { scene.shutter.rates.resize(count); },
        .if_zero = "none"},
+      {.pointer = "/shutter/row_delay",
+       .option = "--row-delay",
+       .unit = "frames",
+       .help = "rolling shutter: by how much each row of the film is exposed later than the one above it",
+       .numbers = {number<&S::shutter, &Shutter::row_delay>("FRAMES", -1, 1)}},
+      {.pointer = "/motion/path",
+       .option = "--path",
+       .help = "how the points of keyed files move from key to key: straight, or along a spline",
+       .numbers = {number<&S::motion, &MotionModel::path>("", 0, 1)},
+       .words = {"linear", "spline"}},
+      {.pointer = "/motion/tolerance_px",
+       .option = "--motion-tolerance",
+       .unit = "px",
+       .help = "how far chords may be from a point's path where paths are cut, point by point",
+       .numbers = {number<&S::motion, &MotionModel::tolerance_px>("PX", 0, 100, true)},
+       .if_zero =
+           "0.1 px where the paths of points curve, and elsewhere all points of an object are cut alike"},
       {.pointer = "/background",
        .option = "--background",
        .help = "what is behind everything: linear, premultiplied RGBA; three numbers are opaque",
@@ -232,6 +259,14 @@ Status validate_crop(const Film& film) {
   return Done{};
 }
 
+/// Beyond an edge there is no crop, and no more than a film can have.
+Status validate_overscan(const Film& film) {
+  if (film.crop_width > 0) return Error{"", "/film/overscan", "goes without a crop"};
+  if (film.window_width() > most_side_px || film.window_height() > most_side_px)
+    return Error{"", "/film/overscan", "film and overscan may have 65536 px along each side"};
+  return Done{};
+}
+
 }  // namespace
 
 std::string_view Field::group() const {
@@ -301,6 +336,8 @@ Status validate_fields(const Scene& scene, std::string_view group) {
     if (Status status = field.legal(values); !status) return status;
     if (field.pointer == "/film/crop")
       if (Status status = validate_crop(scene.film); !status) return status;
+    if (field.pointer == "/film/overscan")
+      if (Status status = validate_overscan(scene.film); !status) return status;
     if (field.pointer == "/shutter/closing" && scene.shutter.curve == ShutterShape::trapezoid &&
         scene.shutter.opening + scene.shutter.closing > 1.0)
       return Error{"", "/shutter/closing", "the ramps take more than the whole exposure"};

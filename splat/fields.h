@@ -10,10 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// One number of a scene. Every member's type converts to a double and back without loss.
 struct FieldNumber {

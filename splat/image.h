@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// A number for every pixel of an image besides its colour, row by row as in Image.
 struct ImageChannel {

@@ -7,9 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/image.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Counts and stage times of one render, in the order in which the renderer met them. The command line
 /// only formats them.

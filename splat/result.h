@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cassert>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// `text` with control characters as \xNN: names come from files, and a terminal would obey them.
 [[nodiscard]] inline std::string printable(std::string_view text) {
@@ -23,11 +26,36 @@ namespace swept {
   return shown;
 }
 
+/// What kind of thing went wrong, for a program that has to decide what to do about it.
+enum class ErrorKind {
+  argument,       ///< the caller asked for what cannot be: out of range, contradictory, in the wrong order
+  not_found,      ///< a file, folder or frame of a sequence is not there, or may not be read
+  malformed,      ///< a file does not hold what its format says it should
+  unsupported,    ///< valid, but not in this method, format or build
+  out_of_memory,  ///< more than the machine has, or than RenderControl::max_bytes allows
+  cancelled,      ///< the caller stopped it
+  device,         ///< a GPU, a disk or a pipe did not do what it was told to
+};
+
+/// "argument", "not_found", …
+[[nodiscard]] constexpr std::string_view error_kind_name(ErrorKind kind) {
+  constexpr std::string_view names[] = {"argument",      "not_found", "malformed", "unsupported",
+                                        "out_of_memory", "cancelled", "device"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+/// What is wrong in a file was an argument to the function that found it.
+[[nodiscard]] constexpr ErrorKind in_a_file(ErrorKind kind) {
+  return kind == ErrorKind::argument ? ErrorKind::malformed : kind;
+}
+
 /// What went wrong, in the words of the person who has to mend it.
 struct Error {
   std::string file;    ///< path as the caller gave it; empty if no file is involved
   std::string field;   ///< JSON pointer, PLY property, option name, ...; may be empty
   std::string reason;  ///< one sentence without a trailing full stop
+  /// Where nothing else is said, what is wrong with a file is malformed, and all else an argument.
+  ErrorKind kind = file.empty() ? ErrorKind::argument : ErrorKind::malformed;
 
   /// "file: field: reason", leaving out what is empty; printable.
   [[nodiscard]] std::string message() const {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "splat/fields.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -42,7 +43,17 @@ Status validate(const Object& object) {
   if (Status cloud = object.cloud.validate(); !cloud) return within("/cloud", cloud.error());
   if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
   if (object.cloud.size() > 0 && object.splats.size() > 0)
-    return bad("/splats", "an object has either discs or splats");
+    return bad("/splats", "an object has either points or splats");
+  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
+    return bad("/triangles",
+               "lie between points that come and go; \"draw\": \"surfels\" has discs drawn instead");
+  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
+    return bad("/triangles", "are between points that come and go");
+  for (std::size_t t = 0; t < object.triangles.size(); ++t)
+    for (const std::uint32_t corner : object.triangles[t])
+      if (corner >= object.cloud.size())
+        return bad("/triangles/" + std::to_string(t),
+                   "names point " + std::to_string(corner) + " of " + std::to_string(object.cloud.size()));
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
     return bad("/segments",
@@ -63,6 +74,7 @@ Status ImageModel::validate() const {
 
 Exposure Scene::exposure() const {
   Exposure exposure{frame + shutter.open, frame + shutter.close};
+  exposure.row_delay = shutter.row_delay;
   if (shutter.curve == ShutterShape::box || exposure.instant()) return exposure;
   exposure.curve = std::make_shared<const ShutterCurve>(shutter);
   exposure.curve_open = exposure.open;
@@ -71,23 +83,54 @@ Exposure Scene::exposure() const {
 }
 
 Status Scene::validate() const {
-  // Written so that NaN fails it.
-  if (!(std::abs(frame) <= most_frame)) return bad("/frame", "the frame must be between -1e9 and 1e9");
-  if (Status status = validate_fields(*this); !status) return status;
-  if (Status status = camera.validate(); !status) return within("/camera", status.error());
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    if (Status status = swept::validate(objects[i]); !status)
-      return within("/objects/" + std::to_string(i), status.error());
+  return without_throwing("to check the scene", [&]() -> Status {
+    // Written so that NaN fails it.
+    if (!(std::abs(frame) <= most_frame)) return bad("/frame", "the frame must be between -1e9 and 1e9");
+    if (Status status = validate_fields(*this); !status) return status;
+    if (Status status = camera.validate(); !status) return within("/camera", status.error());
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      if (Status status = swept::validate(objects[i]); !status)
+        return within("/objects/" + std::to_string(i), status.error());
+    return Done{};
+  });
+}
+
+Status refuse_row_delay(const Scene& scene, std::string_view renderer) {
+  if (scene.shutter.row_delay == 0.0) return Done{};
+  return bad("/shutter/row_delay",
+             "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
+}
+
+Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
+  const Exposure exposure = scene.exposure();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    for (const Lifetime& life : scene.objects[i].cloud.lifetime)
+      if (life.born > exposure.open || life.gone <= exposure.close)
+        return bad("/objects/" + std::to_string(i),
+                   "has points that come or go while the shutter is open, which " + std::string(renderer) +
+                       " does not draw");
   return Done{};
 }
 
 Status refuse_splats(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].splats.size() > 0)
-      return bad("/objects/" + std::to_string(i), "is made of Gaussian splats, which " +
-                                                      std::string(renderer) +
-                                                      " does not draw; --method sampled does, and \"draw\": "
-                                                      "\"surfels\" has them read as discs");
+      return Error{
+          "", "/objects/" + std::to_string(i),
+          "is made of Gaussian splats, which " + std::string(renderer) +
+              " does not draw; --method sampled does, and \"draw\": \"surfels\" has them read as discs",
+          ErrorKind::unsupported};
+  return Done{};
+}
+
+Status refuse_triangles(const Scene& scene, std::string_view renderer) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (!scene.objects[i].triangles.empty())
+      return Error{"", "/objects/" + std::to_string(i),
+                   "is made of triangles, which " + std::string(renderer) +
+                       " does not draw; --method sampled does, and \"draw\": \"surfels\" has its points "
+                       "drawn as discs",
+                   ErrorKind::unsupported};
   return Done{};
 }
 

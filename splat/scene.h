@@ -9,11 +9,12 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/exposure.h"
 #include "splat/splat_cloud.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 inline constexpr int max_segments = 4096;
 
@@ -32,6 +33,7 @@ struct Shutter {
   double opening = 0.25, closing = 0.25;  ///< of a trapezoid: the shares of τ that its ramps take, ≤ 1 in all
   double delta = 3.0;                     ///< δ of a Gaussian
   std::vector<double> rates = {};         ///< of a table: light at evenly spaced τ, lines between; any unit
+  double row_delay = 0.0;                 ///< as Exposure::row_delay
 };
 
 struct FrameRate {
@@ -57,6 +59,17 @@ struct ImageModel {
   [[nodiscard]] Status validate() const;
 };
 
+/// What is said of motion for the whole scene.
+struct MotionModel {
+  /// How points of keyed files move from key to key. It is read when clouds are loaded; what is rendered
+  /// follows SurfelCloud::path.
+  KeyPath path = KeyPath::linear;
+  /// How far chords of a path may be from it, px, where paths are cut into linear segments point by point;
+  /// rims may be off by 2.5 times as much. 0: 0.1 px for objects whose points' own paths curve, and the
+  /// others are cut all alike (linear_segments()).
+  double tolerance_px = 0.0;
+};
+
 /// In what values splats are blended.
 enum class SplatBlending {
   file,    ///< SplatCloud::colors
@@ -75,14 +88,21 @@ struct SplatModel {
   SplatBlending blending = SplatBlending::file;
 };
 
-/// Either discs or splats; the other of the two is empty.
+/// Discs, triangles or splats.
 struct Object {
   std::string name;
   SurfelCloud cloud;
-  SplatCloud splats;
+  /// Between points of the cloud. Not empty: these are drawn in place of discs, with colours and opacities
+  /// that change evenly from corner to corner (model section 15).
+  std::vector<Triangle> triangles;
+  SplatCloud splats;  ///< empty, or the cloud is
   TransformTrack transform;
-  bool two_sided = true;  ///< else a disc is seen only from the side a₁ × a₂ points to
-  int segments = 0;       ///< linear motion segments; 0: as the image model says
+  bool two_sided =
+      true;  ///< else a disc is seen only from the side a₁ × a₂ points to, a triangle from its front
+  int segments = 0;  ///< linear motion segments; 0: as the image model says
+
+  /// What is drawn of the cloud.
+  [[nodiscard]] std::size_t discs() const { return triangles.empty() ? cloud.size() : 0; }
 };
 
 struct Scene {
@@ -94,6 +114,7 @@ struct Scene {
   FrameRate fps;
   Eigen::Vector4f background = Eigen::Vector4f::Zero();  ///< linear, premultiplied RGBA
   ImageModel model;
+  MotionModel motion;
   SplatModel splats;
   std::vector<Object> objects;
 
@@ -104,8 +125,17 @@ struct Scene {
   [[nodiscard]] Status validate() const;
 };
 
+/// An error that names the shutter's row delay, of a renderer that exposes all rows at once.
+[[nodiscard]] Status refuse_row_delay(const Scene& scene, std::string_view renderer);
+
+/// An error that names the first object with points that come or go while the shutter is open, of a renderer
+/// that has them throughout.
+[[nodiscard]] Status refuse_lifetimes(const Scene& scene, std::string_view renderer);
+
 /// An error that names the first object of splats, of a renderer that draws none: "…, which `renderer` does
 /// not draw".
 [[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
+/// The same of triangles.
+[[nodiscard]] Status refuse_triangles(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

@@ -8,7 +8,9 @@
 
 #include <vector>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 struct Shutter;
 

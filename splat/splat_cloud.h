@@ -7,9 +7,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
+#include "splat/point_array.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What a trained file says about how its splats are to be drawn. Source: Kerbl et al. 2023 and Yu et al.
 /// 2023.
@@ -24,16 +26,16 @@ enum class SplatColors { srgb, linear };
 /// Splats in object space, as structure of arrays. Axes are the file's own. Every non-empty array has
 /// position.size() entries, but `harmonics`, which has that many times coefficients(degree) · 3.
 struct SplatCloud {
-  std::vector<Eigen::Vector3d> position;  ///< means
-  std::vector<Eigen::Vector3f> scale;     ///< standard deviations along the rotated axes, object units, ≥ 0
-  std::vector<Eigen::Quaternionf> rotation;  ///< object from splat axes, unit length
-  std::vector<float> opacity;                ///< at the mean, [0, 1]
-  int degree = 0;                            ///< of the spherical harmonics, 0 to 3
+  PointArray<Eigen::Vector3d> position;  ///< means
+  PointArray<Eigen::Vector3f> scale;     ///< standard deviations along the rotated axes, object units, ≥ 0
+  PointArray<Eigen::Quaternionf> rotation;  ///< object from splat axes, unit length
+  PointArray<float> opacity;                ///< at the mean, [0, 1]
+  int degree = 0;                           ///< of the spherical harmonics, 0 to 3
   /// Splat by splat, coefficient by coefficient (degree 0 first, then each degree's orders −l … l), red green
   /// blue. The colour is max(0, ½ + Σ coefficient · basis(direction from eye to splat)), in `colors` values.
-  std::vector<float> harmonics;
-  std::vector<Eigen::Vector3f> velocity;  ///< object units per frame; empty: the splats stand still
-  double frame = 0.0;                     ///< the frame at which positions hold, where there are velocities
+  PointArray<float> harmonics;
+  PointArray<Eigen::Vector3f> velocity;  ///< object units per frame; empty: the splats stand still
+  double frame = 0.0;                    ///< the frame at which positions hold, where there are velocities
   bool flat = false;  ///< 2D splats: scale z is 0 and a ray meets the disc (Huang et al. 2024)
   SplatFilter filter = SplatFilter::dilated;
   SplatColors colors = SplatColors::srgb;

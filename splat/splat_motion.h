@@ -12,10 +12,11 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/result.h"
 #include "splat/splat_cloud.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Every array has an entry for each splat of a cloud, which holds what they are at Δt = 0.
 struct SplatMotion {

@@ -1,28 +1,36 @@
 // Surfels: oriented elliptical Gaussian discs, as structure of arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
+#include "splat/point_array.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
+
+/// Indices of three points, counter-clockwise as seen from the front.
+using Triangle = std::array<std::uint32_t, 3>;
 
 /// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
 inline constexpr float most_color = 1e30f;
 
-/// Where the discs of a cloud are at one instant, in object space.
+/// Where the discs of a cloud are at one instant, in object space. The arrays may be views of the caller's
+/// own (PointArray::view).
 ///
 /// A disc is {c + u a₁ + v a₂ : u² + v² ≤ 1}; its kernel is exp(−δ(u² + v²)). So |a₁| and |a₂| are
 /// radii at the kernel's cut-off, and a₁ × a₂ is the side that counts as front. The disc does not
 /// change when (a₁, a₂) is rotated within its plane in (u, v).
 struct SurfelPose {
-  std::vector<Eigen::Vector3d> position;  ///< centres; double, so survey coordinates keep their digits
-  std::vector<Eigen::Vector3f> axis_u;    ///< a₁, object-space units
-  std::vector<Eigen::Vector3f> axis_v;    ///< a₂
+  PointArray<Eigen::Vector3d> position;  ///< centres; double, so survey coordinates keep their digits
+  PointArray<Eigen::Vector3f> axis_u;    ///< a₁, object-space units
+  PointArray<Eigen::Vector3f> axis_v;    ///< a₂
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
@@ -33,19 +41,53 @@ struct SurfelKey {
   SurfelPose pose;
 };
 
+/// What a cloud's keys say of its path (model section 7). Outside the first and the last key it is held.
+enum class KeyPath {
+  linear,  ///< straight from key to key
+  /// A cubic through the keys, in position and axes. Its velocity at a key is that of the parabola through it
+  /// and its neighbours; at the first and the last key, of the parabola through the three keys at that end.
+  spline,
+  /// The poses are the control points of one Bézier curve of degree keys.size() − 1, from the first key's
+  /// frame to the last's. The frames between only order them.
+  bezier,
+};
+
+/// From when until when a point exists: at `born`, and no longer at `gone`. Absolute frames.
+struct Lifetime {
+  double born, gone;
+};
+
 /// Points and how they move in object space. Every non-empty array has keys.front().pose.size()
 /// entries.
 struct SurfelCloud {
-  /// One key: the points stand still, or follow `velocity` from that key's frame. Several, at
-  /// strictly increasing frames and with equal counts: positions and axes are interpolated linearly
-  /// between keys and held outside.
+  /// One key: the points stand still, or follow the motion below from that key's frame. Several, at
+  /// strictly increasing frames and with equal counts: `path` says what lies between them.
   std::vector<SurfelKey> keys;
-  std::vector<Eigen::Vector3f> velocity;  ///< object units per frame; empty, or keys.size() == 1
-  std::vector<Eigen::Vector3f> color;     ///< linear Rec.709, not premultiplied; empty: white
-  std::vector<float> opacity;             ///< [0, 1]; empty: 1
+  KeyPath path = KeyPath::linear;
+  PointArray<Eigen::Vector3f> velocity;      ///< object units per frame; empty, or keys.size() == 1
+  PointArray<Eigen::Vector3f> acceleration;  ///< object units per frame²; likewise
+  /// Radians per frame about the disc's own centre, right-handed, the axis in object space; likewise.
+  PointArray<Eigen::Vector3f> angular_velocity;
+  std::vector<Lifetime> lifetime;     ///< empty: all points exist at any time
+  PointArray<Eigen::Vector3f> color;  ///< linear Rec.709, not premultiplied; empty: white
+  PointArray<float> opacity;          ///< [0, 1]; empty: 1
+  /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
+  /// 0: it may point either way. Empty: 0 for all.
+  PointArray<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
-  [[nodiscard]] bool moves() const { return keys.size() > 1 || !velocity.empty(); }
+  [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
+  /// Whether anything changes over time: rates that are all zero are none. These look at every point.
+  [[nodiscard]] bool moves() const;
+  [[nodiscard]] bool accelerates() const;
+  [[nodiscard]] bool spins() const;
+  /// Whether paths may bend between keys, or discs turn without being keyed.
+  [[nodiscard]] bool curved() const {
+    return (keys.size() > 2 && path != KeyPath::linear) || accelerates() || spins();
+  }
+  [[nodiscard]] bool exists(std::size_t i, double frame) const {
+    return lifetime.empty() || (lifetime[i].born <= frame && frame < lifetime[i].gone);
+  }
 
   /// Counts agree, keys increase, every number is finite. The error's field names the array and the
   /// first offending index; its file is left for the caller to fill in.
@@ -59,30 +101,60 @@ struct SurfelInstant {
 };
 [[nodiscard]] SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame);
 
-/// The same for many points of one cloud, which must outlive it: what does not depend on the point is found
-/// once.
+/// A place on the paths of a cloud, the same for all of its points: a weighted sum of what the cloud holds.
+struct PathWeights {
+  struct Share {
+    std::size_t key;
+    double weight;
+  };
+  std::size_t base = 0;                       ///< key from which the others are measured
+  std::vector<Share> others;                  ///< base + Σ weight (key − base), positions and axes alike
+  double velocity = 0.0, acceleration = 0.0;  ///< of which so much is added to the position
+  double elapsed = 0.0;                       ///< frames that discs have turned for
+};
+
+/// Positions and axes of many points of one cloud, which must outlive it: what does not depend on the point
+/// is found once.
 class SurfelsAt {
  public:
   SurfelsAt(const SurfelCloud& cloud, double frame);
+  SurfelsAt(const SurfelCloud& cloud, PathWeights weights);
 
   [[nodiscard]] SurfelInstant operator[](std::size_t i) const {
-    SurfelInstant at{before_->position[i], before_->axis_u[i].cast<double>(),
-                     before_->axis_v[i].cast<double>()};
-    if (velocity_ != nullptr) at.position += elapsed_ * velocity_[i].cast<double>();
-    if (after_ == nullptr) return at;
-    // a + t (b − a): a point equal in both keys stays there to the bit.
-    at.position += t_ * (after_->position[i] - at.position);
-    at.axis_u += t_ * (after_->axis_u[i].cast<double>() - at.axis_u);
-    at.axis_v += t_ * (after_->axis_v[i].cast<double>() - at.axis_v);
+    SurfelInstant at{base_->position[i], base_->axis_u[i].cast<double>(), base_->axis_v[i].cast<double>()};
+    if (velocity_ != nullptr) at.position += weights_.velocity * (*velocity_)[i].cast<double>();
+    if (acceleration_ != nullptr) at.position += weights_.acceleration * (*acceleration_)[i].cast<double>();
+    if (!weights_.others.empty()) add_others(i, at);
+    if (spin_ != nullptr) turn((*spin_)[i], at);
     return at;
   }
 
  private:
-  const SurfelPose* before_;
-  const SurfelPose* after_ = nullptr;  ///< null: nothing is interpolated
-  const Eigen::Vector3f* velocity_ = nullptr;
-  double t_ = 0.0, elapsed_ = 0.0;
+  void add_others(std::size_t i, SurfelInstant& at) const {
+    const SurfelInstant from = at;
+    // a + t (b − a): a point equal in all keys stays there to the bit.
+    for (const PathWeights::Share& other : weights_.others) {
+      const SurfelPose& pose = keys_[other.key].pose;
+      at.position += other.weight * (pose.position[i] - from.position);
+      at.axis_u += other.weight * (pose.axis_u[i].cast<double>() - from.axis_u);
+      at.axis_v += other.weight * (pose.axis_v[i].cast<double>() - from.axis_v);
+    }
+  }
+  void turn(const Eigen::Vector3f& rate, SurfelInstant& at) const;
+
+  const SurfelKey* keys_;
+  const SurfelPose* base_;
+  const PointArray<Eigen::Vector3f>*velocity_ = nullptr, *acceleration_ = nullptr, *spin_ = nullptr;
+  PathWeights weights_;
 };
+
+/// Moves every point along its own path, so that it is at its key's pose at stamps[i], an absolute frame, and
+/// no longer at the key's own frame. The cloud has one key and rates, or none. Errors: several keys, a wrong
+/// count, stamps that are not finite, paths that leave a float's range.
+[[nodiscard]] Status shift_to_stamps(SurfelCloud& cloud, const std::vector<double>& stamps);
+/// Axes of a round disc of the given radius facing `normal` (any length > 0), a₁ × a₂ along it.
+void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& axis_u,
+                Eigen::Vector3f& axis_v);
 
 /// Rotates each (axis_u, axis_v) of `moving` within its own plane, in place, to lie as near as it can
 /// to that of `reference` (orthogonal Procrustes in (u, v), rotations only). The discs stay the same; what

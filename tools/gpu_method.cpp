@@ -24,7 +24,7 @@ class GpuFrames : public FrameRenderer {
       if (!made) {
         // Not the scene's fault: names the option or the variable where a file would stand.
         const Error& error = made.error();
-        return Error{error.field == "gpu" ? "--gpu" : error.field, "", error.reason};
+        return Error{error.field == "gpu" ? "--gpu" : error.field, "", error.reason, error.kind};
       }
       renderer_.emplace(std::move(*made));
     }

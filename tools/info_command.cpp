@@ -50,7 +50,7 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
   if (const Field* curve = find_field("/shutter/curve"); scene.shutter.curve != ShutterShape::box)
     fmt::print("          light comes in as a {}\n", value_text(*curve, curve->get(scene)));
   fmt::print("film      {} x {} px, window {} x {} at {}, {}\n", film.width, film.height, film.window_width(),
-             film.window_height(), film.crop_x, film.crop_y);
+             film.window_height(), film.window_x(), film.window_y());
   fmt::print("camera    mid-shutter, world space, {}\n",
              camera.moves ? "moves while the shutter is open" : "stands still");
   fmt::print("  eye     {}\n  right   {}\n  down    {}\n  forward {}\n", text_of(camera.eye),
@@ -74,6 +74,7 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
     else
       fmt::print("    surface   {}, {}\n", object.two_sided ? "two-sided" : "one-sided",
                  object.has_opacity ? "transparent in places" : "opaque");
+    fmt::print("    plan      {}\n", object.plan.text());
     if (object.points > 0)
       fmt::print("    bounds    {}  to  {}\n", text_of(object.low), text_of(object.high));
   }
@@ -98,6 +99,7 @@ Json json_of(const ObjectReport& object) {
                {"two_sided", object.two_sided},
                {"has_opacity", object.has_opacity},
                {"splats", object.splats},
+               {"plan", object.plan.json()},
                {"bounds", nullptr}};
   if (!object.velocity_unit.empty()) json["velocity_unit"] = object.velocity_unit;
   if (object.points > 0) json["bounds"] = {{"low", json_of(object.low)}, {"high", json_of(object.high)}};
@@ -115,7 +117,7 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
                {"exposure_seconds", report.exposure_seconds},
                {"shutter_angle_degrees", report.shutter_angle_degrees},
                {"film", {{"width", film.width}, {"height", film.height}}},
-               {"window", {film.crop_x, film.crop_y, film.window_width(), film.window_height()}},
+               {"window", {film.window_x(), film.window_y(), film.window_width(), film.window_height()}},
                {"camera",
                 {{"eye", json_of(camera.eye)},
                  {"right", json_of(camera.right)},

@@ -35,7 +35,7 @@ class Projector {
     if (!(p.z() >= near_)) return std::nullopt;
     Place place{{projection_.center_x + projection_.focal_px * p.x() / p.z(),
                  projection_.center_y + projection_.focal_px * p.y() / p.z()}};
-    const double x = place.pixel.x() - film_.crop_x, y = place.pixel.y() - film_.crop_y;
+    const double x = place.pixel.x() - film_.window_x(), y = place.pixel.y() - film_.window_y();
     place.in_window = x >= 0.0 && y >= 0.0 && x < film_.window_width() && y < film_.window_height();
     return place;
   }

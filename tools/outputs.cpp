@@ -55,7 +55,7 @@ Result<std::string> name_output(const std::string& option, const std::string& pa
     return Error{"", option, fmt::format("frame {} has no whole number to put into {}", frame, pattern)};
   const Result<std::string> path = sequence_path(pattern, static_cast<int>(frame));
   if (path) return *path;
-  return Error{"", option, fmt::format("{}: {}", pattern, path.error().reason)};
+  return Error{"", option, fmt::format("{}: {}", pattern, path.error().reason), path.error().kind};
 }
 
 /// Finds out by trying, which also covers read-only file systems; for new files once for each folder.

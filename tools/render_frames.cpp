@@ -60,6 +60,7 @@ class FrameLoop {
     statistics.scene_hash = std::move(*hash);
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
+    statistics.plan = effect_plan(**scene);
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
     Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
     if (!layers) return of_frame(output, layers.error());

@@ -74,7 +74,7 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
       (options.samples > 0 || arguments.given("--max-error") || arguments.given("--max-cell-error")))
     return Error{"", "--max-seconds", "goes with neither --max-error nor --samples: one of the three"};
   if (const Status valid = options.validate(); !valid)
-    return Error{"", valid.error().field, valid.error().reason};
+    return Error{"", valid.error().field, valid.error().reason, valid.error().kind};
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_sampled(scene, options, within);
@@ -93,7 +93,8 @@ Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const
   options.samples = arguments.whole("--samples", options.samples);
   const std::string motion = arguments.text("--reference-motion", "segments");
   options.motion = motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
-  if (const Status valid = options.validate(); !valid) return Error{"", "--samples", valid.error().reason};
+  if (const Status valid = options.validate(); !valid)
+    return Error{"", "--samples", valid.error().reason, valid.error().kind};
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_reference(scene, options, within);

@@ -170,11 +170,14 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
       .add_option_function<std::string>(
           "--draw",
           [overrides](const std::string& text) {
-            overrides->draw = text == "splats" ? DrawAs::splats : DrawAs::surfels;
+            overrides->draw = text == "splats"    ? DrawAs::splats
+                              : text == "surfels" ? DrawAs::surfels
+                                                  : DrawAs::triangles;
           },
-          "What files of trained Gaussian splats are drawn as [splats]")
-      ->check(CLI::IsMember({"splats", "surfels"}))
-      ->type_name("splats|surfels")
+          "What files are drawn as [splats where they are trained ones, else surfels]; triangles are those "
+          "of meshes")
+      ->check(CLI::IsMember({"splats", "surfels", "triangles"}))
+      ->type_name("splats|surfels|triangles")
       ->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <variant>
 
 #include <fmt/core.h>
 
 #include "splat/io/sequence.h"
+#include "splat/lens_points.h"
 #include "splat/motion/segments.h"
 #include "tools/longest_streak.h"
 
@@ -30,7 +32,7 @@ std::string describe(const ObjectSource& source) {
   return text + (sequence.gaps ? ", with gaps" : "") + (sequence.cycle ? ", cyclic" : "");
 }
 
-bool any_moves(const std::vector<Eigen::Vector3f>& velocities) {
+bool any_moves(const PointArray<Eigen::Vector3f>& velocities) {
   return std::any_of(velocities.begin(), velocities.end(),
                      [](const Eigen::Vector3f& velocity) { return !velocity.isZero(0.0f); });
 }
@@ -38,7 +40,7 @@ bool any_moves(const std::vector<Eigen::Vector3f>& velocities) {
 bool points_move(const SurfelCloud& cloud, double open, double close) {
   if (open == close || cloud.size() == 0) return false;
   if (cloud.keys.size() > 1) return open < cloud.keys.back().frame && close > cloud.keys.front().frame;
-  return any_moves(cloud.velocity);
+  return cloud.moves();
 }
 
 /// What an object of splats has otherwise than one of discs.
@@ -75,7 +77,7 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
   report.has_opacity =
       std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float value) { return value < 1.0f; });
   report.two_sided = object.two_sided;
-  report.segments = linear_segments(scene, object, scene.exposure());
+  report.segments = most_segments(scene, object, scene.exposure());
   report.low.setConstant(std::numeric_limits<double>::infinity());
   report.high = -report.low;
   if (object.splats.size() > 0) {
@@ -85,9 +87,11 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
     return report;
   }
   for (const double frame : {open, open + 0.5 * (close - open), close}) {
+    if (cloud.size() == 0) break;
     const Eigen::Affine3d world = object.transform.at(frame);
+    const SurfelsAt surfels(cloud, frame);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const SurfelInstant surfel = surfel_at(cloud, i, frame);
+      const SurfelInstant surfel = surfels[i];
       const Eigen::Vector3d center = world * surfel.position;
       // An ellipse {c + u a₁ + v a₂} reaches √(a₁ᵢ² + a₂ᵢ²) along coordinate i.
       const Eigen::Vector3d reach = ((world.linear() * surfel.axis_u).array().square() +
@@ -150,6 +154,8 @@ std::vector<std::string> effects_of(const Scene& scene, const SceneReport& repor
     effects.push_back("transparency of " + objects(n));
   if (const auto n = count([](const ObjectReport& object) { return !object.two_sided; }); n > 0)
     effects.push_back("one-sided culling of " + objects(n));
+  if (scene.camera.aperture.radius > 0.0)
+    effects.push_back(fmt::format("depth of field through {} points of the lens", lens_point_count(scene)));
   if (scene.model.filter_radius_px > 0.0)
     effects.push_back(fmt::format("pixel filter of {} px", scene.model.filter_radius_px));
   effects.push_back(scene.model.coverage == Coverage::soft ? "soft silhouettes" : "hard silhouettes");
@@ -167,6 +173,8 @@ SceneReport report_scene(const SceneFile& file, const Scene& scene) {
   report.camera = report_camera(scene);
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     report.objects.push_back(report_object(scene, scene.objects[i], file.sources()[i]));
+  std::vector<ObjectPlan> plans = effect_plan(scene);
+  for (std::size_t i = 0; i < plans.size(); ++i) report.objects[i].plan = std::move(plans[i]);
   report.effects = effects_of(scene, report);
   return report;
 }

@@ -9,6 +9,7 @@
 
 #include "splat/io/scene_file.h"
 #include "splat/scene.h"
+#include "tools/effect_plan.h"
 
 namespace swept {
 
@@ -21,7 +22,8 @@ struct ObjectReport {
   double longest_streak_px = 0.0;  ///< as longest_streak_px()
   bool has_opacity = false;        ///< some point is not opaque
   bool two_sided = true;
-  int segments = 1;     ///< linear motion segments, resolved
+  int segments = 1;  ///< linear motion segments, resolved
+  ObjectPlan plan;
   bool splats = false;  ///< Gaussian splats, not discs
   /// World-space box of the discs, or of the splats' centres, at the shutter's open, middle and close; low >
   /// high if there are no points.

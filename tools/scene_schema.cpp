@@ -104,6 +104,23 @@ Json intrinsics_schema() {
                    "Focal lengths and principal point in pixels of pictures of this size");
 }
 
+Json lens_schema() {
+  return described(
+      object({{"aperture", described({{"type", "number"}, {"minimum", 0}},
+                                     "Diameter of the opening, world units; 0: a pinhole")},
+              {"f_number", described(positive(), "In place of the aperture: focal_length / aperture")},
+              {"focal_length", described(positive(), "World units; goes with f_number")},
+              {"focus", described(positive(),
+                                  "Depth that is in focus, world units; of look-ats by default the target's "
+                                  "distance")},
+              {"blades", described(whole(3, 64), "Corners of the opening; by default it is round")},
+              {"rotation", described(number(), "Of its first corner, clockwise from the right, degrees")},
+              {"samples", described(whole(1, 4096),
+                                    "Points that the lens is looked through; by default about one for each "
+                                    "pixel of the largest circle of confusion, 16 to 1024")}}),
+      "Depth of field by a thin lens");
+}
+
 Json camera_schema() {
   const Json matrix = any_of({list(number(), 16, 16), list(list(number(), 4, 4), 4, 4)});
   const Json key =
@@ -114,10 +131,12 @@ Json camera_schema() {
               {"roll", described(number(), "Degrees by which the camera leans to its right")},
               {"matrix", described(matrix, "Camera to world, row by row, instead of eye and target")},
               {"fov", fov_schema()},
-              {"intrinsics", intrinsics_schema()}});
+              {"intrinsics", intrinsics_schema()},
+              {"focus", described(positive(), "Depth that is in focus, world units; goes with a lens")}});
   return described(object({{"fov", fov_schema()},
                            {"intrinsics", intrinsics_schema()},
                            {"near", described(positive(), "Depth below which nothing is seen")},
+                           {"lens", lens_schema()},
                            {"keys", list(key, 1), true},
                            {"convention", described(words({"opengl", "opencv"}), "Axes of the matrices")}}),
                    "Keys of one kind, look-ats or matrices, interpolated and held outside");
@@ -176,9 +195,17 @@ Json object_schema() {
                            "Replaces all colours; linear")},
        {"radius", described(positive(), "Makes every disc round, in object units")},
        {"radius_scale", positive()},
-       {"facing", words({"two_sided", "one_sided"})},
+       {"facing",
+        described(words({"two_sided", "one_sided", "sideless"}),
+                  "two_sided: front and back are seen, and are two surfaces where normals or triangles "
+                  "say which is which; one_sided: the front alone is seen; sideless: one surface from "
+                  "both sides, for normals that point either way")},
        {"segments", described(whole(1, 4096), "As image.segments, for this object")},
-       {"draw", described(words({"splats", "surfels"}), "What a file of trained splats is drawn as")}});
+       {"stamps", described(object({{"unit", words({"seconds", "frames"})},
+                                    {"zero", described(number(), "The stamp of the file's frame")},
+                                    {"sensor", transform_schema()}}),
+                            "Each point was seen at a time of its own: the file's attribute \"time\"")},
+       {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")}});
 }
 
 }  // namespace

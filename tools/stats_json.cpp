@@ -33,6 +33,8 @@ Json to_json(const FrameStatistics& frame) {
   json["counters"] = object_of(frame.statistics.counters);
   json["stages"] = object_of(frame.statistics.seconds);
   json["effects"] = frame.statistics.effects;
+  json["plan"] = Json::array();
+  for (const ObjectPlan& plan : frame.plan) json["plan"].push_back(plan.json());
   json["notes"] = frame.notes;
   return json;
 }

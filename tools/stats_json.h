@@ -8,6 +8,7 @@
 #include "splat/io/image_file.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
+#include "tools/effect_plan.h"
 #include "tools/layer_options.h"
 
 namespace swept {
@@ -19,6 +20,7 @@ struct FrameStatistics {
   double load_seconds = 0.0, render_seconds = 0.0, write_seconds = 0.0;  ///< wall time
   Statistics statistics;                                                 ///< the renderer's own
   std::vector<std::string> notes;                                        ///< of the readers
+  std::vector<ObjectPlan> plan;                                          ///< as effect_plan()
 };
 
 struct RunStatistics {

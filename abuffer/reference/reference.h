@@ -4,13 +4,14 @@
 // renderer; what the two have in common is the list of moving kernels they are given.
 #pragma once
 
+#include "splat/export.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// How the reference places the discs at an instant.
 enum class ReferenceMotion {

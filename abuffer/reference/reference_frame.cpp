@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "abuffer/parallel.h"
+#include "abuffer/reference/mesh_reference.h"
 
 namespace swept::reference {
 namespace {
@@ -50,28 +52,25 @@ PixelBox bounding_box(const Eigen::Vector3d& center, const Eigen::Vector3d& axis
   return {x_begin, y_begin, x_end, y_end};
 }
 
-/// Nearest first. What follows the depth only makes the order total on content. Of equally near fragments the
-/// most tolerant leads, so that a surface is all that is within the tolerance of any of its nearest.
+/// Nearest first; of equally near fragments those that show their front, then those whose side is not known.
+/// What follows only makes the order total on content: of those the most tolerant leads, so that a surface is
+/// all that is within the tolerance of any of its nearest.
 bool before(const Fragment& a, const Fragment& b) {
   const auto key = [](const Fragment& f) {
     const Eigen::Vector4d& c = f.disc->color;
-    return std::make_tuple(f.depth, -f.disc->tolerance, -f.weight, c[0], c[1], c[2], c[3]);
+    return std::make_tuple(f.depth, -f.side, -f.disc->tolerance, -f.weight, c[0], c[1], c[2], c[3]);
   };
   return key(a) < key(b);
 }
 
-/// The fragments that form a surface with the first one.
-std::span<const Fragment> front_surface(std::span<const Fragment> fragments) {
-  const double limit = fragments.front().depth + fragments.front().disc->tolerance;
-  std::size_t count = 1;
-  while (count < fragments.size() && fragments[count].depth <= limit) ++count;
-  return fragments.first(count);
+/// Puts the fragments that form a surface with the first one at the front, all else behind them in its order.
+std::span<const Fragment> front_surface(std::span<Fragment> fragments) {
+  const Fragment nearest = fragments.front();
+  const double limit = nearest.depth + nearest.disc->tolerance;
+  const auto belongs = [&](const Fragment& f) { return f.depth <= limit && f.side * nearest.side >= 0; };
+  const auto rest = std::stable_partition(fragments.begin(), fragments.end(), belongs);
+  return {fragments.begin(), rest};
 }
-
-struct Surface {
-  Eigen::Vector4d color;  ///< normalised, premultiplied by opacity
-  double depth, coverage;
-};
 
 Surface blend(std::span<const Fragment> fragments, const ImageModel& model) {
   Eigen::Vector4d color = Eigen::Vector4d::Zero();
@@ -103,6 +102,7 @@ Disc place(const MovingKernel& kernel, double tau, const Projection& projection,
   disc.dual_u = axis_v.cross(disc.normal) / normal_squared;
   disc.dual_v = disc.normal.cross(axis_u) / normal_squared;
   disc.facing = kernel.facing.cast<double>();
+  disc.outside = kernel.outside.cast<double>();
   disc.plane = disc.normal.dot(disc.center);
   disc.weight = kernel.weight;
   disc.tolerance = kernel.depth_tolerance;
@@ -121,24 +121,32 @@ std::optional<Fragment> meet(const Disc& disc, const Eigen::Vector3d& ray, doubl
   const double u = disc.dual_u.dot(from_center), v = disc.dual_v.dot(from_center);
   const double radius_squared = u * u + v * v;
   if (!(radius_squared <= 1.0)) return std::nullopt;
-  return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc};
+  const int side = disc.outside.isZero(0.0) ? 0 : disc.outside.dot(ray) < 0.0 ? 1 : -1;
+  return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc, side};
 }
 
 std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
-                  PixelSum& sum) {
+                  PixelSum& sum, std::span<Surface> others) {
   std::sort(fragments.begin(), fragments.end(), before);
-  std::span<const Fragment> rest = fragments;
+  std::vector<Surface> of_discs, seen;
+  for (std::span<Fragment> rest = fragments; !rest.empty();) {
+    const std::span<const Fragment> front = front_surface(rest);
+    of_discs.push_back(blend(front, model));
+    rest = rest.subspan(front.size());
+  }
+  const auto nearer = [](const Surface& a, const Surface& b) { return a.depth < b.depth; };
+  std::stable_sort(others.begin(), others.end(), nearer);
+  std::merge(of_discs.begin(), of_discs.end(), others.begin(), others.end(), std::back_inserter(seen),
+             nearer);
   double transmittance = 1.0;
   std::size_t surfaces = 0;
-  while (!rest.empty() && transmittance > 0.0) {
-    const std::span<const Fragment> front = front_surface(rest);
-    const Surface surface = blend(front, model);
+  for (const Surface& surface : seen) {
+    if (!(transmittance > 0.0)) break;
     const double alpha = surface.coverage * surface.color.w();
     sum.color += transmittance * surface.coverage * surface.color;
     sum.alpha += transmittance * alpha;
     sum.alpha_depth += transmittance * alpha * surface.depth;
     transmittance *= 1.0 - alpha;
-    rest = rest.subspan(front.size());
     ++surfaces;
   }
   if (transmittance > 0.0) sum.color += transmittance * background;
@@ -153,11 +161,12 @@ FrameSum::FrameSum(const Film& film, const ImageModel& model, const Eigen::Vecto
               film.crop_y + film.window_height()},
       sums_(static_cast<std::size_t>(film.window_width()) * static_cast<std::size_t>(film.window_height())) {}
 
-void FrameSum::add(const KernelSet& set, double tau) {
+void FrameSum::add(const KernelSet& set, double tau, std::span<const MeshAt> meshes) {
   place_all(set, tau);
   bin_by_band();
   std::vector<Counts> counts(band_count());
-  parallel_for_each_index(counts.size(), [&](std::size_t band) { counts[band] = render_band(set, band); });
+  parallel_for_each_index(counts.size(),
+                          [&](std::size_t band) { counts[band] = render_band(set, meshes, band); });
   for (const Counts& count : counts) {
     fragments_ += count.fragments;
     surfaces_ += count.surfaces;
@@ -212,13 +221,15 @@ void FrameSum::bin_by_band() {
       [&](std::size_t band, std::size_t k) { band_discs_[next[band]++] = static_cast<std::uint32_t>(k); });
 }
 
-FrameSum::Counts FrameSum::render_band(const KernelSet& set, std::size_t band) {
+FrameSum::Counts FrameSum::render_band(const KernelSet& set, std::span<const MeshAt> meshes,
+                                       std::size_t band) {
   const std::span<const std::uint32_t> candidates =
       std::span(band_discs_).subspan(band_begin_[band], band_begin_[band + 1] - band_begin_[band]);
   const int width = film_.window_width();
   const int y_begin = window_.y_begin + static_cast<int>(band) * band_height;
   const int y_end = std::min(y_begin + band_height, window_.y_end);
   std::vector<std::vector<Fragment>> row(static_cast<std::size_t>(width));  // fragments of each pixel
+  std::vector<Surface> others;
   Counts counts;
   for (int y = y_begin; y < y_end; ++y) {
     for (auto& pixel : row) pixel.clear();
@@ -233,7 +244,9 @@ FrameSum::Counts FrameSum::render_band(const KernelSet& set, std::size_t band) {
     PixelSum* const sums = &sums_[static_cast<std::size_t>(y - window_.y_begin) * row.size()];
     for (std::size_t x = 0; x < row.size(); ++x) {
       counts.fragments += row[x].size();
-      counts.surfaces += shade(row[x], model_, background_, sums[x]);
+      others.clear();
+      for (const MeshAt& mesh : meshes) mesh.meet(window_.x_begin + static_cast<int>(x), y, others);
+      counts.surfaces += shade(row[x], model_, background_, sums[x], others);
     }
   }
   return counts;

@@ -26,7 +26,7 @@ struct PixelBox {
 struct Disc {
   Eigen::Vector3d center, normal;  ///< normal n = a₁ × a₂, not unit
   Eigen::Vector3d dual_u, dual_v;  ///< a₂ × n / |n|² and n × a₁ / |n|²
-  Eigen::Vector3d facing;
+  Eigen::Vector3d facing, outside;
   double plane = 0.0;  ///< n · center
   double weight = 0.0, tolerance = 0.0;
   Eigen::Vector4d color;  ///< premultiplied RGBA
@@ -38,7 +38,16 @@ struct Fragment {
   double depth = 0.0;
   double weight = 0.0;         ///< ρ
   const Disc* disc = nullptr;  ///< never null
+  int side = 0;                ///< that is seen: 1 front, −1 back, 0 not known
 };
+
+/// What a ray sees of several fragments, or of a mesh.
+struct Surface {
+  Eigen::Vector4d color;  ///< normalised, premultiplied by opacity
+  double depth, coverage;
+};
+
+class MeshAt;
 
 /// Sums over instants, and over the surfaces of each.
 struct PixelSum {
@@ -59,16 +68,17 @@ struct PixelSum {
                                            double delta);
 
 /// Sorts the fragments of one pixel into an order that depends on their content alone, groups them into
-/// surfaces, and adds what is seen over the background. Returns how many surfaces were seen.
+/// surfaces, and adds what is seen of them and of `others` over the background. Returns how many surfaces
+/// were seen.
 std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
-                  PixelSum& sum);
+                  PixelSum& sum, std::span<Surface> others = {});
 
 /// Adds still images up. Runs in the caller's task arena; the number of threads changes no bit of the sums.
 class FrameSum {
  public:
   FrameSum(const Film& film, const ImageModel& model, const Eigen::Vector4f& background);
 
-  void add(const KernelSet& set, double tau);
+  void add(const KernelSet& set, double tau, std::span<const MeshAt> meshes = {});
   /// Of the instants added, at least one.
   [[nodiscard]] Image mean() const;
 
@@ -83,7 +93,7 @@ class FrameSum {
 
   void place_all(const KernelSet& set, double tau);
   void bin_by_band();
-  [[nodiscard]] Counts render_band(const KernelSet& set, std::size_t band);
+  [[nodiscard]] Counts render_band(const KernelSet& set, std::span<const MeshAt> meshes, std::size_t band);
   [[nodiscard]] std::size_t band_of(int y) const;
   [[nodiscard]] std::size_t band_count() const;
 

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <new>
 #include <numeric>
+#include <stop_token>
 #include <string>
 #include <vector>
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "abuffer/parallel.h"
+#include "abuffer/progress_of.h"
+#include "abuffer/render_valid.h"
 
 namespace swept {
 namespace {
@@ -106,7 +106,9 @@ bool blends_linearly(const Scene& scene, const Object& object) {
 /// Adds still images up.
 class Frame {
  public:
-  explicit Frame(const Scene& scene) : scene_(scene), model_(scene.splats), image_(blank_image(scene.film)) {
+  /// add() throws Stopped after `stop`.
+  Frame(const Scene& scene, std::stop_token stop)
+      : scene_(scene), model_(scene.splats), image_(blank_image(scene.film)), stop_(std::move(stop)) {
     sums_.resize(image_.pixel_count());
     for (const Object& object : scene.objects)
       if (object.splats.size() > 0) linear_ = blends_linearly(scene, object);
@@ -121,6 +123,7 @@ class Frame {
     const auto bands = static_cast<std::size_t>((image_.height + band_rows - 1) / band_rows);
     std::vector<std::uint64_t> fragments(bands);
     parallel_for_each_index(bands, [&](std::size_t band) {
+      throw_if_stopped(stop_);
       fragments[band] = draw(view, image_.y + static_cast<int>(band) * band_rows);
     });
     fragments_ = std::accumulate(fragments.begin(), fragments.end(), fragments_);
@@ -156,6 +159,7 @@ class Frame {
   const Scene& scene_;
   const SplatModel& model_;
   Image image_;
+  std::stop_token stop_;
   std::vector<PixelSum> sums_;
   std::vector<Seen> seen_;
   bool linear_ = false;
@@ -324,7 +328,7 @@ Status validate(const Scene& scene, const SplatReferenceOptions& options) {
     const Object& object = scene.objects[i];
     const std::string field = "/objects/" + std::to_string(i);
     if (object.cloud.size() > 0)
-      return Error{"", field, "is made of discs, which this reference does not draw"};
+      return Error{"", field, "is made of discs, which this reference does not draw", ErrorKind::unsupported};
     if (object.splats.size() == 0) continue;
     if (first != nullptr && blends_linearly(scene, *first) != blends_linearly(scene, object))
       return Error{"", field,
@@ -332,14 +336,18 @@ Status validate(const Scene& scene, const SplatReferenceOptions& options) {
                    "/splats/blending"};
     first = &object;
   }
-  return Done{};
+  return refuse_row_delay(scene, "the reference of Gaussian splats");
 }
 
-Rendered render(const Scene& scene, const SplatReferenceOptions& options) {
+Rendered render(const Scene& scene, const SplatReferenceOptions& options, const RenderControl& control) {
   const Exposure exposure = scene.exposure();
   const int samples = exposure.instant() ? 1 : options.samples;
-  Frame sum(scene);
-  for (int i = 0; i < samples; ++i) sum.add(exposure.at((i + 0.5) / samples));
+  Frame sum(scene, control.stop);
+  ProgressOf progress(control, static_cast<std::size_t>(samples));
+  for (int i = 0; i < samples; ++i) {
+    sum.add(exposure.at((i + 0.5) / samples));
+    progress.one_more();
+  }
   Rendered rendered;
   rendered.image = sum.mean();
   double splats = 0.0;
@@ -354,15 +362,16 @@ Rendered render(const Scene& scene, const SplatReferenceOptions& options) {
 
 }  // namespace
 
-Result<Rendered> render_splat_reference(const Scene& scene, const SplatReferenceOptions& options) {
-  if (Status status = validate(scene, options); !status) return status.error();
-  try {
-    const int available = tbb::info::default_concurrency();
-    tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, available) : available);
-    return arena.execute([&] { return render(scene, options); });
-  } catch (const std::bad_alloc&) {
-    return Error{"", "", "not enough memory to render the reference"};
-  }
+Result<Rendered> render_splat_reference(const Scene& scene, const SplatReferenceOptions& options,
+                                        const RenderControl& control) {
+  return without_throwing("to render the reference", [&]() -> Result<Rendered> {
+    if (Status status = validate(scene, options); !status) return status.error();
+    RenderControl threads = control;
+    threads.threads = options.threads;
+    return run_in_arena(
+        threads, [&]() -> Result<Rendered> { return render(scene, options, control); },
+        "to render the reference");
+  });
 }
 
 }  // namespace swept

@@ -5,6 +5,7 @@
 // Yu et al. 2023, Mip-Splatting (antialiased files); Huang et al. 2024, 2D Gaussian Splatting (discs).
 #pragma once
 
+#include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
@@ -21,8 +22,10 @@ struct SplatReferenceOptions {
 ///
 /// Statistics: "samples" N, "splats", and "fragments": places where a splat was blended into a pixel.
 ///
-/// Errors: options or scene out of range, discs in the scene, and not enough memory.
+/// Of `control` its stop and progress are looked at. Errors: options or scene out of range, discs in the
+/// scene, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_splat_reference(const Scene& scene,
-                                                      const SplatReferenceOptions& options);
+                                                      const SplatReferenceOptions& options,
+                                                      const RenderControl& control = {});
 
 }  // namespace swept

@@ -39,7 +39,8 @@ using Member = std::array<float, member_fields>;
           shade.rgba[2],
           shade.rgba[3],
           std::bit_cast<float>(fragments.t_end[f]),
-          jump};
+          jump,
+          std::bit_cast<float>(shade.side)};
 }
 
 class MemberSet {

@@ -10,8 +10,17 @@
 namespace swept {
 namespace {
 
+/// Whether there are discs that show their backs, and are known to.
+bool tells_sides_apart(const std::vector<PointPackets>& objects) {
+  return std::any_of(objects.begin(), objects.end(), [](const PointPackets& object) {
+    return !object.oriented.empty() && object.object->two_sided;
+  });
+}
+
 /// Instants that are added up as floats before they join the doubles: their roundings stay near 10⁻⁷.
 constexpr int instants_a_flush = 32;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 /// Packets between two looks at how far one can see.
 constexpr std::size_t packets_a_look = 8;
@@ -24,7 +33,8 @@ SampledCell::SampledCell(const Scene& scene, const std::vector<PointPackets>& ob
       objects_(objects),
       math_(math),
       rule_{static_cast<float>(scene.model.delta), static_cast<float>(scene.model.edge_weight),
-            static_cast<float>(scene.camera.near), scene.model.coverage == Coverage::hard},
+            static_cast<float>(scene.camera.near), scene.model.coverage == Coverage::hard,
+            tells_sides_apart(objects)},
       background_{scene.background[0], scene.background[1], scene.background[2]},
       buffers_(std::make_unique<CellBuffers>()),
       sums_(std::make_unique<CellSums>()) {
@@ -100,10 +110,11 @@ void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) 
   v.placed = true;
   v.general_begin = v.general_end = general_.size();
   if (v.center.z() > 0.0) {
-    math_.place(object.at(p, at.pose, static_cast<float>(at.blend)), at.place, at.on_film(v.center), cell_.x,
-                cell_.y, cell_.width, cell_.height, placed);
+    PacketScratch scratch;
+    math_.place(object.at(p, at, scratch), at.place, at.on_film(v.center), cell_.x, cell_.y, cell_.width,
+                cell_.height, placed);
   } else {
-    placed.seen = 0;
+    placed.seen = placed.front = placed.back = 0;
     placed.general = object.lanes[p];
   }
   const float* colors = object.colors.data() + 4 * p * packet_size;
@@ -137,13 +148,20 @@ void for_each_fragment(const GeneralDisc& disc, const Cell& cell, const Visit& v
 
 }  // namespace
 
+/// Than the front surface of that pixel.
+bool SampledCell::shows_other_side(const GeneralDisc::Fragment& f, int pixel) const {
+  return rule_.sides && f.side * buffers_->side[pixel] < 0.0f;
+}
+
 void SampledCell::bring_general_to_front(const GeneralDisc& disc) {
   for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
     const float reached = f.depth + disc.tolerance;
-    if (f.depth < buffers_->front[i]) {
+    const bool equal = f.depth == buffers_->front[i];
+    if (f.depth < buffers_->front[i] || (equal && rule_.sides && buffers_->side[i] < f.side)) {
       buffers_->front[i] = f.depth;
       buffers_->limit[i] = reached;
-    } else if (f.depth == buffers_->front[i]) {
+      buffers_->side[i] = f.side;
+    } else if (equal && (!rule_.sides || buffers_->side[i] == f.side)) {
       buffers_->limit[i] = std::max(buffers_->limit[i], reached);
     }
   });
@@ -151,7 +169,7 @@ void SampledCell::bring_general_to_front(const GeneralDisc& disc) {
 
 void SampledCell::add_general_to_front(const GeneralDisc& disc) {
   for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
-    if (!(f.depth <= buffers_->limit[i])) return;
+    if (!(f.depth <= buffers_->limit[i]) || shows_other_side(f, i)) return;
     buffers_->weight[i] += f.weight;
     buffers_->red[i] += f.weight * disc.rgba[0];
     buffers_->green[i] += f.weight * disc.rgba[1];
@@ -163,8 +181,14 @@ void SampledCell::add_general_to_front(const GeneralDisc& disc) {
 
 void SampledCell::find_general_behind(const GeneralDisc& disc, std::uint32_t index) {
   for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
-    if (buffers_->behind[i] < f.depth)
-      behind_[behind_count_++] = {f.depth, f.weight, general_flag | index, static_cast<std::uint32_t>(i)};
+    const float limit = buffers_->behind[i];
+    if (limit < f.depth || (limit < infinity && shows_other_side(f, i)))
+      behind_[behind_count_++] = {f.depth, f.weight,
+                                  general_flag | index |
+                                      (f.side > 0.0f   ? disc_front
+                                       : f.side < 0.0f ? disc_back
+                                                       : 0u),
+                                  static_cast<std::uint32_t>(i)};
   });
 }
 

@@ -96,12 +96,14 @@ class SampledCell {
   void draw(std::span<const ObjectInstant> instants);
   void select(std::span<const ObjectInstant> instants);
   void place(std::size_t i, std::span<const ObjectInstant> instants);
+  [[nodiscard]] bool shows_other_side(const GeneralDisc::Fragment& f, int pixel) const;
   void bring_general_to_front(const GeneralDisc& disc);
   void add_general_to_front(const GeneralDisc& disc);
   void find_general_behind(const GeneralDisc& disc, std::uint32_t index);
   void shade_behind(std::span<const ObjectInstant> instants, int y_begin, int y_end);
   bool gather_behind(std::span<const ObjectInstant> instants, bool may_give_up);
   void shade_layers(std::size_t begin, std::size_t end);
+  [[nodiscard]] static int side_of(const Layer& fragment);
   void add_to_layer(const Layer& fragment, LayerSum& sum) const;
   void shade_layer(const LayerSum& sum, std::uint32_t pixel, float& through);
   [[nodiscard]] bool hidden(const Visible& v) const;

@@ -78,17 +78,23 @@ void SampledCell::shade_behind(std::span<const ObjectInstant> instants, int y_be
 }
 
 float SampledCell::tolerance_of(std::uint32_t disc) const {
-  return disc & general_flag ? general_[disc & ~general_flag].tolerance
-                             : placed_[disc / packet_size].tolerance[disc % packet_size];
+  const std::uint32_t i = disc & disc_index;
+  return disc & general_flag ? general_[i].tolerance : placed_[i / packet_size].tolerance[i % packet_size];
 }
 
 const float* SampledCell::color_of(std::uint32_t disc, float (&rgba)[4]) const {
-  if (disc & general_flag) return general_[disc & ~general_flag].rgba;
-  const PlacedPacket& placed = placed_[disc / packet_size];
-  const std::uint32_t lane = disc % packet_size;
+  const std::uint32_t i = disc & disc_index;
+  if (disc & general_flag) return general_[i].rgba;
+  const PlacedPacket& placed = placed_[i / packet_size];
+  const std::uint32_t lane = i % packet_size;
   rgba[0] = placed.red[lane], rgba[1] = placed.green[lane], rgba[2] = placed.blue[lane],
   rgba[3] = placed.alpha[lane];
   return rgba;
+}
+
+/// As side_number().
+int SampledCell::side_of(const Layer& fragment) {
+  return (fragment.disc & disc_front ? 1 : 0) - (fragment.disc & disc_back ? 1 : 0);
 }
 
 void SampledCell::add_to_layer(const Layer& fragment, LayerSum& sum) const {
@@ -129,16 +135,18 @@ void SampledCell::shade_layers(std::size_t begin, std::size_t end) {
   // order.
   for (int layer = 0; layer < picked_layers && !layers_.empty() && through > opaque_transmittance; ++layer) {
     float nearest = infinity, limit = 0.0f;
+    int side = 0;
     for (const Layer& f : layers_) {
-      if (f.depth > nearest) continue;
+      if (f.depth > nearest || (f.depth == nearest && side_of(f) < side)) continue;
       const float reached = f.depth + tolerance_of(f.disc);
-      limit = f.depth == nearest ? std::max(limit, reached) : reached;
+      limit = f.depth == nearest && side_of(f) == side ? std::max(limit, reached) : reached;
       nearest = f.depth;
+      side = side_of(f);
     }
     LayerSum sum;
     std::size_t kept = 0;
     for (const Layer& f : layers_) {
-      if (f.depth <= limit)
+      if (f.depth <= limit && side * side_of(f) >= 0)
         add_to_layer(f, sum);
       else
         layers_[kept++] = f;
@@ -148,14 +156,24 @@ void SampledCell::shade_layers(std::size_t begin, std::size_t end) {
   }
   if (layers_.empty() || !(through > opaque_transmittance)) return;
 
-  std::sort(layers_.begin(), layers_.end(), [](const Layer& a, const Layer& b) { return a.depth < b.depth; });
+  std::sort(layers_.begin(), layers_.end(), [&](const Layer& a, const Layer& b) {
+    return a.depth != b.depth ? a.depth < b.depth : rule_.sides && side_of(a) > side_of(b);
+  });
   const auto at = [&](std::size_t i) { return layers_.begin() + static_cast<std::ptrdiff_t>(i); };
   for (std::size_t first = 0; first < layers_.size() && through > opaque_transmittance;) {
+    const int side = side_of(layers_[first]);
     float limit = layers_[first].depth + tolerance_of(layers_[first].disc);
     std::size_t last = first + 1;
-    for (; last < layers_.size() && layers_[last].depth == layers_[first].depth; ++last)
+    for (; last < layers_.size() && layers_[last].depth == layers_[first].depth &&
+           side_of(layers_[last]) == side;
+         ++last)
       limit = std::max(limit, layers_[last].depth + tolerance_of(layers_[last].disc));
     while (last < layers_.size() && layers_[last].depth <= limit) ++last;
+    // What shows the other side is another surface, behind this one.
+    if (rule_.sides)
+      last = static_cast<std::size_t>(
+          std::stable_partition(at(first), at(last), [&](const Layer& f) { return side * side_of(f) >= 0; }) -
+          layers_.begin());
     std::sort(at(first), at(last), [](const Layer& a, const Layer& b) { return a.order < b.order; });
     LayerSum sum;
     for (std::size_t i = first; i < last; ++i) add_to_layer(layers_[i], sum);

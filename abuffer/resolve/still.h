@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/interval/composite.h"
 #include "splat/interval/fragments.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 class StillPixel {
  public:

@@ -60,7 +60,7 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
     if (cut < end) return cut;
   }
   // A member's height above the lower envelope of all is convex in time, so it is largest at an end.
-  if (range.max_begin - range.min_begin <= range.min_tolerance &&
+  if (!active_->shows_both_sides() && range.max_begin - range.min_begin <= range.min_tolerance &&
       range.max_end - range.min_end <= range.min_tolerance) {
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0u);
@@ -134,7 +134,7 @@ void SurfaceStack::take_light() {
 }
 
 /// Puts order_ into the order of depth as the piece begins; among equals the one that will be nearest, then
-/// the one that reaches farthest, then by place. From one piece to the next few change places.
+/// by side, then the one that reaches farthest, then by place. From one piece to the next few change places.
 void SurfaceStack::rank() {
   const std::vector<std::uint32_t>& slot_of = active_->slot_of_place;
   const float* const rates = active_->members.field(member_z_rate);
@@ -159,6 +159,8 @@ void SurfaceStack::rank() {
   const auto nearer = [&](const Ranked& a, const Ranked& b) {
     if (a.z != b.z) return a.z < b.z;
     if (rates[a.slot] != rates[b.slot]) return rates[a.slot] < rates[b.slot];
+    if (const int s = rank_of(active_->side(a.slot)), t = rank_of(active_->side(b.slot)); s != t)
+      return s < t;
     if (tolerances[a.slot] != tolerances[b.slot]) return tolerances[a.slot] > tolerances[b.slot];
     return a.place < b.place;
   };
@@ -200,27 +202,38 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& 
   const std::size_t count = order_.size();
   const float limit = from_[first] + tolerance_[first];
 
+  std::size_t reached = first;
+  while (reached < count &&
+         (from_[reached] < limit || (from_[reached] == limit && slope_[reached] <= slope_[first])))
+    ++reached;
+  const std::size_t last = active_->shows_both_sides() ? part_sides(first, reached) : reached;
+
   // If no member is out of reach of the lower envelope at either end, none leaves between; and what lies
   // beyond reach of one and the same member at both ends stays behind.
-  std::size_t last = first, nearest_at_end = first;
+  std::size_t nearest_at_end = first;
   float smallest = infinity, largest = 0.0f, farthest_end = -infinity;
-  for (; last < count; ++last) {
-    if (!(from_[last] < limit || (from_[last] == limit && slope_[last] <= slope_[first]))) break;
-    if (to_[last] < to_[nearest_at_end]) nearest_at_end = last;
-    smallest = std::min(smallest, tolerance_[last]);
-    largest = std::max(largest, tolerance_[last]);
-    farthest_end = std::max(farthest_end, to_[last]);
+  for (std::size_t i = first; i < last; ++i) {
+    if (to_[i] < to_[nearest_at_end]) nearest_at_end = i;
+    smallest = std::min(smallest, tolerance_[i]);
+    largest = std::max(largest, tolerance_[i]);
+    farthest_end = std::max(farthest_end, to_[i]);
   }
+  // Nor does it matter which of the members leads, if all of them have the same for their other side.
+  const bool leads_alike = last == reached ? !both_among(first, reached) : alike(first, last);
   const bool none_leaves =
       from_[last - 1] - from_[first] <= smallest && farthest_end - to_[nearest_at_end] <= smallest;
   const auto all_beyond = [&](std::size_t of) {
-    return last == count || (from_[last] - from_[of] > largest && behind_to_[last] - to_[of] > largest);
+    // Of those on the other side it is enough that they are not nearer.
+    for (std::size_t i = last; i < reached; ++i)
+      if (from_[i] < from_[of] || to_[i] < to_[of]) return false;
+    return reached == count ||
+           (from_[reached] - from_[of] > largest && behind_to_[reached] - to_[of] > largest);
   };
-  if (none_leaves && (all_beyond(first) || all_beyond(nearest_at_end))) return last;
+  if (leads_alike && none_leaves && (all_beyond(first) || all_beyond(nearest_at_end))) return last;
 
   // Otherwise until the nearest is overtaken, or something comes within its tolerance or leaves it.
   const double duration = share_of(end - begin);
-  const double wait = wait_for_change(first, last, duration);
+  const double wait = wait_for_change(first, last, reached, duration);
   if (!(wait < duration)) return last;
   // Rounded up, to where it has happened.
   const Ticks until = begin + static_cast<Ticks>(std::ceil(std::max(wait, 0.0) * shutter_close));
@@ -233,19 +246,70 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& 
   return last;
 }
 
-/// After how long the surface order_[first, last) has other members, or `duration`.
-double SurfaceStack::wait_for_change(std::size_t first, std::size_t last, double duration) const {
+/// Whether order_[first, last) shows fronts and backs.
+bool SurfaceStack::both_among(std::size_t first, std::size_t last) const {
+  if (!active_->shows_both_sides()) return false;
+  std::uint32_t sides = 0;
+  for (std::size_t i = first; i < last; ++i) sides |= static_cast<std::uint32_t>(active_->side(order_[i]));
+  return both_sides(sides);
+}
+
+/// Whether all of order_[first, last) show the same, or are all of unknown side.
+bool SurfaceStack::alike(std::size_t first, std::size_t last) const {
+  for (std::size_t i = first + 1; i < last; ++i)
+    if (active_->side(order_[i]) != active_->side(order_[first])) return false;
+  return true;
+}
+
+/// Of order_[first, last) puts what shows the other side than its first behind the rest, both in their order,
+/// and returns where it begins.
+std::size_t SurfaceStack::part_sides(std::size_t first, std::size_t last) {
+  const Side nearest = active_->side(order_[first]);
+  const auto same = [&](std::size_t i) { return !both_sides(active_->side(order_[i]), nearest); };
+  std::size_t kept = first;
+  while (kept < last && same(kept)) ++kept;
+  if (kept == last) return last;
+  others_.clear();
+  for (std::size_t i = kept; i < last; ++i) {
+    if (!same(i)) {
+      others_.push_back({order_[i], from_[i], to_[i], slope_[i], tolerance_[i]});
+      continue;
+    }
+    order_[kept] = order_[i];
+    from_[kept] = from_[i];
+    to_[kept] = to_[i];
+    slope_[kept] = slope_[i];
+    tolerance_[kept] = tolerance_[i];
+    ++kept;
+  }
+  for (std::size_t i = kept; i < last; ++i) {
+    const Placed& other = others_[i - kept];
+    order_[i] = other.slot;
+    from_[i] = other.from;
+    to_[i] = other.to;
+    slope_[i] = other.slope;
+    tolerance_[i] = other.tolerance;
+  }
+  for (std::size_t i = last; i-- > first;) behind_to_[i] = std::min(behind_to_[i + 1], to_[i]);
+  in_order_ = false;
+  return kept;
+}
+
+/// After how long the surface order_[first, last) has other members, or `duration`. Up to `reached` lies what
+/// is within its reach and shows the other side.
+double SurfaceStack::wait_for_change(std::size_t first, std::size_t last, std::size_t reached,
+                                     double duration) const {
   const float tolerance = tolerance_[first];
   double wait = duration;
   for (std::size_t i = first + 1; i < order_.size(); ++i) {
     const float above = from_[i] - from_[first];
     // From here on nothing is fast enough.
-    if (i >= last && double{above - tolerance} > (double{slope_[first]} - slowest_) * wait) break;
+    if (i >= reached && double{above - tolerance} > (double{slope_[first]} - slowest_) * wait) break;
     const float rate = slope_[i] - slope_[first];
     if (i < last && rate > 0.0f)
       wait = std::min(wait, double{tolerance - above} / rate);
     else if (rate < 0.0f)
-      wait = std::min(wait, double{i < last ? above : above - tolerance} / -rate);
+      wait = std::min(wait, double{i < reached ? above : above - tolerance} / -rate);
   }
   return wait;
 }

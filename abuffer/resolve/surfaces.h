@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "abuffer/resolve/members.h"
 #include "abuffer/simd/interval_math.h"
 #include "splat/interval/composite.h"
+#include "splat/interval/side.h"
 #include "splat/interval/ticks.h"
 
 namespace swept {
@@ -36,12 +38,21 @@ struct ActiveSet {
   std::vector<std::uint32_t> place_of_slot;  ///< member → place
   std::vector<std::array<float, 4>> colors;  ///< of the members once more, side by side
   std::vector<std::uint32_t> slot_of_place;  ///< place → member, or no_slot
+  std::uint32_t of_side[3] = {0, 0, 0};      ///< how many members show each Side
   static constexpr std::uint32_t no_slot = ~0u;
+
+  [[nodiscard]] bool shows_both_sides() const {
+    return of_side[static_cast<int>(Side::front)] > 0 && of_side[static_cast<int>(Side::back)] > 0;
+  }
+  [[nodiscard]] Side side(std::size_t slot) const {
+    return std::bit_cast<Side>(members.field(member_side)[slot]);
+  }
 
   void start(std::size_t places) {
     members.clear();
     place_of_slot.clear();
     colors.clear();
+    for (std::uint32_t& count : of_side) count = 0;
     slot_of_place.assign(places, no_slot);
   }
   void push(std::uint32_t place, const Member& member) {
@@ -49,8 +60,10 @@ struct ActiveSet {
     place_of_slot.push_back(place);
     colors.push_back({member[member_red], member[member_green], member[member_blue], member[member_alpha]});
     members.push(member);
+    ++of_side[std::bit_cast<std::uint32_t>(member[member_side])];
   }
   void pop() {
+    --of_side[static_cast<std::uint32_t>(side(members.size() - 1))];
     slot_of_place[place_of_slot.back()] = no_slot;
     place_of_slot.pop_back();
     colors.pop_back();
@@ -59,6 +72,7 @@ struct ActiveSet {
   /// The last member takes the place of member `slot`.
   void remove(std::size_t slot) {
     slot_of_place[place_of_slot[slot]] = no_slot;
+    --of_side[static_cast<std::uint32_t>(side(slot))];
     members.remove(slot);
     const std::uint32_t moved = place_of_slot.back();
     place_of_slot.pop_back();
@@ -116,7 +130,11 @@ class SurfaceStack {
   void weigh(Ticks begin, Ticks end);
   void add_up(Surface& surface, Ticks begin, Ticks end) const;
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
-  [[nodiscard]] double wait_for_change(std::size_t first, std::size_t last, double duration) const;
+  [[nodiscard]] bool both_among(std::size_t first, std::size_t last) const;
+  [[nodiscard]] bool alike(std::size_t first, std::size_t last) const;
+  std::size_t part_sides(std::size_t first, std::size_t last);
+  [[nodiscard]] double wait_for_change(std::size_t first, std::size_t last, std::size_t reached,
+                                       double duration) const;
   Ticks measure(Surface& surface, Ticks begin, Ticks end);
   Ticks shorten(Ticks begin, Ticks end, float fraction);
 
@@ -139,6 +157,11 @@ class SurfaceStack {
   std::vector<float> z_begin_, z_end_;                ///< by slot
   std::vector<float> from_, to_, slope_, tolerance_;  ///< in the order of order_: z_begin_, z_end_ and so on
   std::vector<float> behind_to_;                      ///< the least to_ of [i, …)
+  struct Placed {
+    std::uint32_t slot;
+    float from, to, slope, tolerance;
+  };
+  std::vector<Placed> others_;  ///< of part_sides()
   std::vector<float> mean_, swing_, variation_, depth_, depth_swing_;
   std::vector<float> at_begin_, at_end_;
   bool instants_known_ = false;

@@ -12,15 +12,11 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr Ticks never = std::numeric_limits<Ticks>::max();
 
-/// Of its weight, what a front may gain and lose by fragments that begin and end within a piece. The line
-/// that stands for Σρ misses a quarter of a step's variance at most; so a colour is off by at most 1/16 of
-/// the square of this, and by as much less as steps go to both sides and colours are alike.
-constexpr float most_jumps = 0.25f;
-
-bool few_jumps(const FrontSum& front) {
-  const float weight = front.mean.weight;
-  return front.squares <= most_jumps * most_jumps * weight * weight && front.jumps <= 0.2f * weight;
-}
+/// Of its weight, what a front may gain and lose by fragments that begin and end within a piece. Of a step by
+/// j at the share x of the piece, the line that stands for Σρ leaves the variance j² x(1−x) (1 − 3x(1−x)),
+/// which is j²/12 at most. So a colour is off by at most a twelfth of the square of this, and by as much less
+/// as steps are far from the worst x, go to both sides, or are of like colours.
+constexpr float most_jumps = 0.2f;
 
 std::uint64_t event_key(Ticks time, std::size_t place) {
   return static_cast<std::uint64_t>(time) << 32 | place;
@@ -173,6 +169,9 @@ void PixelSweep::reveal(Ticks time) {
   ++counters_->revealed;
   front_limit_ = infinity;
   withdraw(time + 1);
+  // What began since the piece before this one is hidden, or it would have been an event: some has ended
+  // again.
+  while (next_ < begins_.size() && event_time(begins_[next_]) <= time) ++next_;
   const std::uint64_t to_come = next_ < begins_.size() ? begins_[next_] : ~std::uint64_t{0};
   for (const std::uint32_t place : hidden_) {
     const std::uint32_t f = indices_[place];
@@ -262,12 +261,13 @@ Ticks PixelSweep::longest_step(float rate) {
 /// Whether the front is all that is seen over a piece, and its sums tell how much.
 PixelSweep::Front PixelSweep::kind_of(FrontSum& front, Ticks end) const {
   if (front.settled_until < end) return Front::unsettled;
+  if (front.mixed) return Front::other;
   // Nowhere clamped, so that its sums are its light.
   if (!model_.hard() && front.peaks <= model_.edge_weight()) return front.behind ? Front::other : Front::thin;
   const float weight = front.mean.weight;
   if (model_.hard() ? !(front.low > 0.0f) : front.low < model_.edge_weight())
     return weight < model_.edge_weight() ? Front::other : Front::too_varied;
-  if (!few_jumps(front)) return Front::too_varied;
+  if (!(front.jumps <= most_jumps * weight)) return Front::too_varied;
   front.opaque = true;
   for (const float sign : {-1.0f, 1.0f}) {
     const SurfaceSum point = at_point(front.mean, front.swing, sign);

@@ -27,6 +27,7 @@ enum MemberField : std::size_t {
   member_alpha,
   member_t_end,  ///< Ticks, by their bits
   member_jump,   ///< a bound of ρ where the fragment begins and where it ends
+  member_side,   ///< Side, by its bits
   member_fields
 };
 
@@ -64,12 +65,12 @@ struct FrontSum {
   float jumps = 0.0f;  ///< Σ of the ρ by which fragments of the front begin and end within the piece
   SurfaceSum swing;
   float peaks = 0.0f;       ///< Σρ of the front is nowhere more
-  float squares = 0.0f;     ///< Σ of the squares of those jumps
   float fastest = 0.0f;     ///< the largest rate in the front
   float limit = 0.0f;       ///< nothing that stays deeper than this is part of it
   float margin = 0.0f;      ///< twice the largest tolerance
   bool opaque = false;      ///< for the caller to find out
   bool behind = false;      ///< something lies behind the front
+  bool mixed = false;       ///< its members show both sides, so that it is not one surface
   Ticks changes_at = 0;     ///< until then one member stays the nearest
   Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
 };

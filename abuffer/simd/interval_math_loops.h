@@ -9,6 +9,7 @@
 
 #include "abuffer/simd/interval_math.h"
 #include "abuffer/simd/lanes.h"
+#include "splat/interval/side.h"
 #include "splat/kernel/kernel_integral.h"
 
 namespace swept {
@@ -253,7 +254,7 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
               *y = members.field(member_y), *rate = members.field(member_rate),
               *peak = members.field(member_peak), *z = members.field(member_z),
               *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
-              *jump = members.field(member_jump);
+              *jump = members.field(member_jump), *side = members.field(member_side);
   const float *red_of = members.field(member_red), *green_of = members.field(member_green),
               *blue_of = members.field(member_blue), *alpha_of = members.field(member_alpha);
   const auto duration = static_cast<float>(share_of(end - begin));
@@ -298,9 +299,9 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
 
   Lanes weight = all(0.0f), red = weight, green = weight, blue = weight, alpha = weight, depth = weight,
         low = weight, jumps = weight, weight_swing = weight, red_swing = weight, green_swing = weight,
-        blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, squares = weight,
-        low_slope = weight, fastest = weight, reaches = weight;
-  LaneBits behind = lanes_below(0), unsettled = behind;
+        blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, low_slope = weight,
+        fastest = weight, reaches = weight;
+  LaneBits behind = lanes_below(0), unsettled = behind, sides = behind;
   const float per_duration = 1.0f / static_cast<float>(end - begin);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
@@ -326,6 +327,7 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
       in_all = in_all + choose(in_front, ends - begins, all_ticks(0));
     }
     const LaneBits in_front = below(from, to);
+    sides = sides | (in_front & load_bits(side + i));
     // One that leaves the front and comes back.
     unsettled = unsettled | (in_front & below(in_all, to - from));
     const LaneBits partial = below(first, from) | below(to, last);
@@ -374,7 +376,6 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
     low_slope += all_along * x;
     const Lanes step = only(partial & in_front, choose(cut_off, m * (1.0f + magnitude(x)), load(jump + i)));
     jumps += step;
-    squares += step * step;
   }
   static_assert(offsetof(FrontSum, jumps) == 7 * sizeof(float) &&
                     offsetof(FrontSum, swing) == 8 * sizeof(float) &&
@@ -382,12 +383,15 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
                 "totals in the order of its members");
   const Lanes means = totals(weight, red, green, blue, alpha, depth, low, jumps);
   const Lanes swings =
-      totals(weight_swing, red_swing, green_swing, blue_swing, alpha_swing, depth_swing, peaks, squares);
+      totals(weight_swing, red_swing, green_swing, blue_swing, alpha_swing, depth_swing, peaks, fastest);
   std::memcpy(static_cast<void*>(&sum), &means, sizeof means);
-  std::memcpy(static_cast<void*>(&sum.swing), &swings, sizeof swings);
+  std::memcpy(static_cast<void*>(&sum.swing), &swings, 7 * sizeof(float));
   sum.low = std::max(0.0f, sum.low - std::abs(total(low_slope)));
   sum.fastest = largest(fastest);
   sum.behind = any(behind);
+  std::uint32_t all_sides = 0;
+  for (std::size_t i = 0; i < member_lanes; ++i) all_sides |= sides[i];
+  sum.mixed = both_sides(all_sides);
   if (!(largest(reaches) <= 1.0f)) sum.settled_until = begin;
   // Where, is not known; until the front's nearest changes first, nothing comes back.
   if (any(unsettled)) sum.settled_until = times.count > 1 ? times.span[1].begin : begin;

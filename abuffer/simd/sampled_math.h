@@ -27,6 +27,7 @@ struct PacketPoints {
   const float *axes, *axes_after;      ///< 6 fields: axis_u, axis_v
   float blend;                         ///< from the first pose to the second, [0, 1]
   std::uint32_t lanes;                 ///< those that hold a point
+  std::uint32_t oriented;              ///< of these, those whose front and back are told apart
 };
 
 /// Where a packet's origin is at an instant: camera space, and the film.
@@ -62,14 +63,16 @@ struct PlacedPacket {
   float x_begin[packet_size], x_end[packet_size];  ///< whole pixels of the film that contain the disc
   float y_begin[packet_size], y_end[packet_size];
   float red[packet_size], green[packet_size], blue[packet_size], alpha[packet_size];  ///< premultiplied
-  std::uint32_t seen;     ///< lanes that all the above is said of
-  std::uint32_t general;  ///< lanes that have to be placed by the general formulas: not seen
+  std::uint32_t seen;         ///< lanes that all the above is said of
+  std::uint32_t general;      ///< lanes that have to be placed by the general formulas: not seen
+  std::uint32_t front, back;  ///< lanes that show that side; in neither: it is not known
 };
 
 /// One instant of one cell. The film's pixel (x, y) is at (y − y_film)·cell_pitch + (x − x_film).
 struct CellBuffers {
   alignas(64) float front[cell_floats];   ///< depth of the nearest fragment; +∞: none
   alignas(64) float limit[cell_floats];   ///< depth to which the front surface reaches; +∞: none
+  alignas(64) float side[cell_floats];    ///< that the front surface shows, as side_number(); where asked for
   alignas(64) float weight[cell_floats];  ///< Σρ of the front surface, then T, the light it lets through
   alignas(64) float red[cell_floats], green[cell_floats], blue[cell_floats], alpha[cell_floats];
   alignas(64) float depth[cell_floats];   ///< Σρz, then depth weighted by alpha
@@ -100,12 +103,21 @@ struct SurfaceRule {
   float edge_weight;
   float near;
   bool hard;
+  bool sides;  ///< whether front and back are told apart anywhere
 };
+
+/// 1 front, −1 back, 0 not known: two are of one surface where the product is not negative, and of equally
+/// near ones the greatest leads.
+inline float side_number(const PlacedPacket& placed, int lane) {
+  return static_cast<float>(placed.front >> lane & 1u) - static_cast<float>(placed.back >> lane & 1u);
+}
+/// Bits of a disc's index that say what side it shows.
+inline constexpr std::uint32_t disc_back = 1u << 30, disc_front = 1u << 29, disc_index = disc_front - 1u;
 
 /// A fragment behind the front surface.
 struct FragmentBehind {
   float depth, weight;
-  std::uint32_t disc;   ///< index of packet · 16 + lane, as given
+  std::uint32_t disc;   ///< index of packet · 16 + lane, as given, and the bit of its side
   std::uint32_t pixel;  ///< index into the cell's arrays
 };
 

@@ -128,19 +128,26 @@ SWEPT_LANE void for_each_lane(const PlacedPacket& placed, std::uint32_t lanes, i
   }
 }
 
-template <class Block>
+template <class Block, bool sides>
 SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const Span& span, int x_film,
                                     int y_film, float near, CellBuffers& cell) {
   const Disc disc(placed, lane);
   const Vector tolerance = all(placed.tolerance[lane]), near_plane = all(near);
+  const Vector own = all(sides ? side_number(placed, lane) : 0.0f);
   for_each_block<Block>(
       span, static_cast<float>(x_film) - placed.pixel_x[lane],
       static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
         const Met met = meet(disc, x, y, near_plane);
         const Vector front = Block::load_from(cell.front + pixel, part);
         const Vector limit = Block::load_from(cell.limit + pixel, part);
-        const Mask nearer = met.inside & (met.depth < front), equal = met.inside & (met.depth == front);
+        Mask nearer = met.inside & (met.depth < front), equal = met.inside & (met.depth == front);
         if (vector_lanes > 1 && bits(nearer | equal) == 0) return;
+        if (sides) {
+          const Vector side = Block::load_from(cell.side + pixel, part);
+          nearer = nearer | (equal & (side < own));
+          equal = equal & (side == own);
+          Block::store_to(choose(nearer, own, side), cell.side + pixel, part);
+        }
         const Vector reached = met.depth + tolerance;
         Block::store_to(choose(nearer, met.depth, front), cell.front + pixel, part);
         Block::store_to(choose(nearer, reached, choose(equal, larger(limit, reached), limit)),
@@ -148,29 +155,39 @@ SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const 
       });
 }
 
-inline void bring_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
-                                int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
+template <bool sides>
+SWEPT_LANE void bring_discs_to_front(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                                     int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
-      bring_disc_to_front<Block4x4>(placed, lane, span, x_film, y_film, rule.near, cell);
+      bring_disc_to_front<Block4x4, sides>(placed, lane, span, x_film, y_film, rule.near, cell);
     else
-      bring_disc_to_front<Block8x2>(placed, lane, span, x_film, y_film, rule.near, cell);
+      bring_disc_to_front<Block8x2, sides>(placed, lane, span, x_film, y_film, rule.near, cell);
   });
 }
 
-template <class Block>
+inline void bring_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                                int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
+  if (rule.sides)
+    bring_discs_to_front<true>(placed, lanes, x_film, y_film, width, height, rule, cell);
+  else
+    bring_discs_to_front<false>(placed, lanes, x_film, y_film, width, height, rule, cell);
+}
+
+template <class Block, bool sides>
 SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Span& span, int x_film,
                                   int y_film, const SurfaceRule& rule, CellBuffers& cell) {
   const Disc disc(placed, lane);
   const Vector near_plane = all(rule.near), sharpness = all(-rule.delta), peak = all(placed.peak[lane]);
   const Vector red = all(placed.red[lane]), green = all(placed.green[lane]), blue = all(placed.blue[lane]);
-  const Vector alpha = all(placed.alpha[lane]);
+  const Vector alpha = all(placed.alpha[lane]), own = all(sides ? side_number(placed, lane) : 0.0f);
   for_each_block<Block>(
       span, static_cast<float>(x_film) - placed.pixel_x[lane],
       static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
         const Met met = meet(disc, x, y, near_plane);
-        const Mask counts = met.inside & (met.depth <= Block::load_from(cell.limit + pixel, part));
+        Mask counts = met.inside & (met.depth <= Block::load_from(cell.limit + pixel, part));
+        if (sides) counts = counts & (all(0.0f) <= own * Block::load_from(cell.side + pixel, part));
         if (vector_lanes > 1 && bits(counts) == 0) return;
         const Vector rho = only(counts, peak * exp_of(sharpness * smaller(met.radius_squared, all(1.0f))));
         const auto add = [&](float* sums, Vector what) {
@@ -185,15 +202,24 @@ SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Sp
       });
 }
 
-inline void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
-                              int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
+template <bool sides>
+SWEPT_LANE void add_discs_to_front(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                                   int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
-      add_disc_to_front<Block4x4>(placed, lane, span, x_film, y_film, rule, cell);
+      add_disc_to_front<Block4x4, sides>(placed, lane, span, x_film, y_film, rule, cell);
     else
-      add_disc_to_front<Block8x2>(placed, lane, span, x_film, y_film, rule, cell);
+      add_disc_to_front<Block8x2, sides>(placed, lane, span, x_film, y_film, rule, cell);
   });
+}
+
+inline void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
+                              int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
+  if (rule.sides)
+    add_discs_to_front<true>(placed, lanes, x_film, y_film, width, height, rule, cell);
+  else
+    add_discs_to_front<false>(placed, lanes, x_film, y_film, width, height, rule, cell);
 }
 
 inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, std::uint32_t first_disc,
@@ -204,13 +230,21 @@ inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t la
     if (!light_reaches(cell, span)) return;
     const Disc disc(placed, lane);
     const Vector near_plane = all(rule.near), sharpness = all(-rule.delta), peak = all(placed.peak[lane]);
+    const Vector own = all(side_number(placed, lane));
+    const std::uint32_t index = (first_disc + static_cast<std::uint32_t>(lane)) |
+                                (placed.front >> lane & 1u ? disc_front : 0u) |
+                                (placed.back >> lane & 1u ? disc_back : 0u);
     for_each_block<Block4x4>(
         span, static_cast<float>(x_film) - placed.pixel_x[lane],
         static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
           const Vector limit = Block4x4::load_from(cell.behind + pixel, part);
-          if (bits(limit < all(infinity)) == 0) return;
+          const Mask leaks = limit < all(infinity);
+          if (bits(leaks) == 0) return;
           const Met met = meet(disc, x, y, near_plane);
-          const Mask behind = met.inside & (limit < met.depth);
+          Mask behind = limit < met.depth;
+          if (rule.sides)
+            behind = behind | (leaks & (own * Block4x4::load_from(cell.side + pixel, part) < all(0.0f)));
+          behind = met.inside & behind;
           std::uint32_t found = bits(behind);
           if (found == 0) return;
           alignas(64) float rho[vector_lanes], depth[vector_lanes];
@@ -218,7 +252,7 @@ inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t la
           store(met.depth, depth);
           for (; found != 0; found &= found - 1) {
             const int i = __builtin_ctz(found), in_block = part * vector_lanes + i;
-            out[count++] = {depth[i], rho[i], first_disc + static_cast<std::uint32_t>(lane),
+            out[count++] = {depth[i], rho[i], index,
                             static_cast<std::uint32_t>(pixel + (in_block / 4) * cell_pitch + in_block % 4)};
           }
         });

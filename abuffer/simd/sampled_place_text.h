@@ -32,7 +32,7 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
                        int x, int y, int width, int height, PlacedPacket& placed) {
   const Vector left = all(static_cast<float>(x)), right = all(static_cast<float>(x + width));
   const Vector top = all(static_cast<float>(y)), bottom = all(static_cast<float>(y + height));
-  std::uint32_t seen = 0, general = 0;
+  std::uint32_t seen = 0, general = 0, back = 0;
   const float filter_squared = object.filter_px * object.filter_px;
   for (int part = 0; part < vector_parts; ++part) {
     const int lane = part * vector_lanes;
@@ -156,8 +156,8 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
     const Mask behind = depth * all(1.0f) + depth * magnitude(wide) < all(object.near);
     const Mask gone = exact & ((bounded & off) | (behind & (all(0.0f) < depth)));
 
-    Mask mixed = all(1.0f) < all(0.0f);
-    if (object.one_sided) {
+    std::uint32_t mixed = 0;
+    if (object.one_sided || points.oriented != 0) {
       const Vector side = all(object.mirrored);
       const Vector nx = side * (a.y * b.z - a.z * b.y), ny = side * (a.z * b.x - a.x * b.z);
       const Vector nz = side * (a.x * b.y - a.y * b.x);
@@ -166,15 +166,17 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
       const Vector reach_y = larger(magnitude(low_y), magnitude(high_y));
       const Vector scale = (magnitude(nx) + magnitude(ny)) + magnitude(nz);
       const Vector varies = (magnitude(nx) * reach_x + magnitude(ny) * reach_y) * per_px + all(1e-5f) * scale;
-      shown = shown & (towards - varies < all(0.0f));
-      mixed = without(shown, towards + varies < all(0.0f));
-      shown = without(shown, mixed);
+      const Mask not_away = towards - varies < all(0.0f);
+      if (object.one_sided) shown = shown & not_away;
+      back |= bits(without(shown, not_away)) << lane;
+      // Of one and the same disc some pixels would see the front, and others the back.
+      mixed = bits(without(without(shown & not_away, towards + varies < all(0.0f)), gone));
+      if (!object.one_sided) mixed &= points.oriented >> lane;
     }
 
     const Mask within = (x_begin < right) & (left < x_end) & (y_begin < bottom) & (top < y_end);
-    seen |= bits(without(shown, gone) & within) << lane;
-    general |= (bits(without(mixed, gone)) | (~bits(simple) & ~bits(gone) & ((1u << vector_lanes) - 1u)))
-               << lane;
+    seen |= (bits(without(shown, gone) & within) & ~mixed) << lane;
+    general |= ((mixed & bits(within)) | (~bits(simple) & ~bits(gone) & ((1u << vector_lanes) - 1u))) << lane;
     store(pixel_x, placed.pixel_x + lane);
     store(pixel_y, placed.pixel_y + lane);
     store(center_x, placed.center_x + lane);
@@ -195,6 +197,8 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
   }
   placed.seen = seen & points.lanes;
   placed.general = general & points.lanes;
+  placed.back = back & points.oriented;
+  placed.front = ~back & points.oriented;
 }
 
 }  // namespace

@@ -269,7 +269,8 @@ inline void fold_text(const SplatTile* runs, const SurfaceLayer* surfaces, std::
       through = through * magnitude(load(run.light + lane));
       if (k == count) break;
       const Vector alpha = load(surfaces[k].alpha + i);
-      depth = depth + through * (alpha * load(surfaces[k].depth + i));
+      // Where a pixel has fewer surfaces, the depth of those it lacks is infinite.
+      depth = depth + through * only(all(0.0f) < alpha, alpha * load(surfaces[k].depth + i));
       through = through * (one - alpha);
     }
     SplatBlock& to = seen.blocks[i / 16];

@@ -44,17 +44,35 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
   place.film_height = scene.film.height;
   enlarges = linear.allFinite() ? linear.jacobiSvd().singularValues()[0] * (1.0 + 1e-9)
                                 : std::numeric_limits<double>::infinity();
+  if (scene.camera.aperture.radius > 0.0) {
+    lens_px = scene.camera.aperture.radius * projection.focal_px;
+    per_focus = 1.0 / scene.camera.at(frame).lens.focus;
+  }
   const auto after = std::upper_bound(packets.frames.begin(), packets.frames.end(), frame);
-  pose = after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
-  if (pose + 1 < packets.frames.size())
-    blend = std::clamp((frame - packets.frames[pose]) / (packets.frames[pose + 1] - packets.frames[pose]),
-                       0.0, 1.0);
+  const std::size_t stretch =
+      after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
+  pose = stretch * packets.degree;
+  if (packets.spins) surfels.emplace(packets.object->cloud, frame);
+  if (stretch + 1 == packets.frames.size()) return;
+  const double first = packets.frames[stretch], last = packets.frames[stretch + 1];
+  blend = std::clamp((frame - first) / (last - first), 0.0, 1.0);
+  if (packets.degree == 1) return;
+  bernstein.assign(packets.degree + 1, 0.0);
+  bernstein[0] = 1.0;
+  for (std::size_t level = 0; level < packets.degree; ++level)
+    for (std::size_t k = level + 2; k-- > 0;)
+      bernstein[k] = (1.0 - blend) * bernstein[k] + (k > 0 ? blend * bernstein[k - 1] : 0.0);
+  bernstein.erase(bernstein.begin());
 }
 
 Eigen::Vector3d ObjectInstant::center(const PointPackets& packets, std::size_t p) const {
   const Eigen::Vector3d& origin = packets.origins[pose][p];
   if (!(blend > 0.0)) return instant.to_camera(origin);
-  return instant.to_camera(origin + blend * (packets.origins[pose + 1][p] - origin));
+  if (packets.degree == 1) return instant.to_camera(origin + blend * (packets.origins[pose + 1][p] - origin));
+  Eigen::Vector3d sum = origin;
+  for (std::size_t k = 1; k <= packets.degree; ++k)
+    sum += bernstein[k - 1] * (packets.origins[pose + k][p] - origin);
+  return instant.to_camera(sum);
 }
 
 PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius) const {
@@ -65,14 +83,17 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
     return whole_plane(std::max(near, low));  // near where low is not a number
   // In front of the near plane x/z is monotonic in x and in z. The filter widens a disc by its radius where
   // the disc's centre is, which perspective enlarges towards the eye.
-  const double filter = double{place.filter_px} * high / low + 1.0;
+  double margin = double{place.filter_px} * high / low + 1.0;
+  // Through the lens each point is spread by half its circle of confusion.
+  if (lens_px > 0.0)
+    margin += lens_px * std::max(std::abs(1.0 / low - per_focus), std::abs(1.0 / high - per_focus));
   const double focal = projection.focal_px;
   const auto least = [&](double v) { return v - reach >= 0.0 ? (v - reach) / high : (v - reach) / low; };
   const auto most = [&](double v) { return v + reach >= 0.0 ? (v + reach) / low : (v + reach) / high; };
-  return {projection.center_x + focal * least(center.x()) - filter,
-          projection.center_x + focal * most(center.x()) + filter,
-          projection.center_y + focal * least(center.y()) - filter,
-          projection.center_y + focal * most(center.y()) + filter, low};
+  return {projection.center_x + focal * least(center.x()) - margin,
+          projection.center_x + focal * most(center.x()) + margin,
+          projection.center_y + focal * least(center.y()) - margin,
+          projection.center_y + focal * most(center.y()) + margin, low};
 }
 
 PacketPlace ObjectInstant::on_film(const Eigen::Vector3d& center) const {
@@ -88,6 +109,7 @@ PacketPlace ObjectInstant::on_film(const Eigen::Vector3d& center) const {
 
 std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& object,
                                              const ObjectInstant& at, std::uint32_t point) {
+  if (!object.cloud.exists(point, at.instant.frame)) return std::nullopt;
   const SurfelInstant surfel = surfel_at(object.cloud, point, at.instant.frame);
   const Eigen::Vector3d axis_u = at.instant.to_camera_direction(surfel.axis_u);
   const Eigen::Vector3d axis_v = at.instant.to_camera_direction(surfel.axis_v);
@@ -104,8 +126,10 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
   kernel.weight = static_cast<float>(disc.weight);
   kernel.depth_tolerance = static_cast<float>(scene.model.depth_tolerance * disc.size);
   kernel.facing.setZero();
-  if (!object.two_sided)
-    kernel.facing = (double{at.place.mirrored} * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+  const Eigen::Vector3f outside =
+      (double{at.place.mirrored} * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+  if (!object.two_sided) kernel.facing = outside;
+  if (object.cloud.is_oriented(point)) kernel.outside = outside;
   constexpr float largest = 1e30f;
   if (!(kernel.weight > 0.0f) || !kernel.center.allFinite() || !kernel.axis_u.allFinite() ||
       !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest))
@@ -137,7 +161,8 @@ std::optional<GeneralDisc::Fragment> GeneralDisc::meet(int x, int y) const {
   if (!(radius_squared <= 1.0) || !(at.z >= near_) || !(at.z <= largest)) return std::nullopt;
   const auto weight = static_cast<float>(weight_ * std::exp(-delta_ * radius_squared));
   if (!(weight > 0.0f)) return std::nullopt;
-  return Fragment{static_cast<float>(at.z), weight};
+  const float side = !plane_.oriented() ? 0.0f : plane_.shows_back(ray_x, ray_y) ? -1.0f : 1.0f;
+  return Fragment{static_cast<float>(at.z), weight, side};
 }
 
 }  // namespace swept

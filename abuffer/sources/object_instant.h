@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -28,8 +29,13 @@ struct ObjectInstant {
   Projection projection;
   ObjectPlace place;
   double enlarges = 1.0;  ///< most that a length grows from object to camera space
-  std::size_t pose = 0;   ///< of PointPackets, and how far on to the next
+  std::size_t pose = 0;   ///< first of the stretch of PointPackets, and how far on it is in it
   double blend = 0.0;
+  std::vector<double> bernstein;     ///< of the other control points of the stretch; empty where degree is 1
+  std::optional<SurfelsAt> surfels;  ///< where discs spin
+  /// Of a scene with a lens: radius times focal length, and 1 / focus. bounds() contains what any point of
+  /// the lens sees then.
+  double lens_px = 0.0, per_focus = 0.0;
 
   /// At `frame`, the projection being that of this very instant.
   ObjectInstant(const Scene& scene, const PointPackets& packets, double frame);
@@ -51,6 +57,7 @@ class GeneralDisc {
 
   struct Fragment {
     float depth, weight;
+    float side;  ///< as side_number()
   };
   /// At the centre of the film's pixel (x, y).
   [[nodiscard]] std::optional<Fragment> meet(int x, int y) const;

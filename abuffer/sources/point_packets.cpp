@@ -9,26 +9,38 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/sources/content_order.h"
+#include "abuffer/sources/object_instant.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/path.h"
 
 namespace swept {
 namespace {
 
-/// Frames at which the exposure has to know the points: its ends, and the keys between.
+/// Frames at which the exposure has to know the points: its ends, and the corners of paths between.
 std::vector<double> pose_frames(const SurfelCloud& cloud, const Exposure& exposure) {
   std::vector<double> frames{exposure.open};
-  if (!cloud.moves() || exposure.instant()) return frames;
-  for (const SurfelKey& key : cloud.keys)
-    if (key.frame > exposure.open && key.frame < exposure.close) frames.push_back(key.frame);
+  if (exposure.instant() || !cloud.moves()) return frames;
+  for (const double corner : path_corners(cloud, exposure.open, exposure.close)) frames.push_back(corner);
   frames.push_back(exposure.close);
   return frames;
+}
+
+/// The poses of PointPackets.
+std::vector<PathWeights> poses_of(const SurfelCloud& cloud, const std::vector<double>& frames) {
+  std::vector<PathWeights> poses{path_weights(cloud, frames.front())};
+  for (std::size_t j = 1; j < frames.size(); ++j) {
+    std::vector<PathWeights> controls = path_controls(cloud, frames[j - 1], frames[j]);
+    for (std::size_t k = 1; k < controls.size(); ++k) poses.push_back(std::move(controls[k]));
+  }
+  return poses;
 }
 
 /// Everything that tells one point from another.
 class Content {
  public:
-  Content(const SurfelCloud& cloud, const std::vector<double>& frames) : cloud_(cloud) {
-    for (const double frame : frames) poses_.emplace_back(cloud, frame);
+  Content(const SurfelCloud& cloud, const std::vector<PathWeights>& poses)
+      : cloud_(cloud), spins_(cloud.spins()) {
+    for (const PathWeights& pose : poses) poses_.emplace_back(cloud, pose);
   }
 
   [[nodiscard]] bool less(std::size_t a, std::size_t b) const {
@@ -39,10 +51,21 @@ class Content {
         for (int i = 0; i < 3; ++i)
           if ((*v)[i] != (*w)[i]) return (*v)[i] < (*w)[i];
     }
+    if (spins_)
+      for (int i = 0; i < 3; ++i)
+        if (cloud_.angular_velocity[a][i] != cloud_.angular_velocity[b][i])
+          return cloud_.angular_velocity[a][i] < cloud_.angular_velocity[b][i];
+    if (!cloud_.lifetime.empty()) {
+      const Lifetime &s = cloud_.lifetime[a], &t = cloud_.lifetime[b];
+      if (s.born != t.born) return s.born < t.born;
+      if (s.gone != t.gone) return s.gone < t.gone;
+    }
     if (!cloud_.color.empty())
       for (int i = 0; i < 3; ++i)
         if (cloud_.color[a][i] != cloud_.color[b][i]) return cloud_.color[a][i] < cloud_.color[b][i];
-    return !cloud_.opacity.empty() && cloud_.opacity[a] < cloud_.opacity[b];
+    if (!cloud_.opacity.empty() && cloud_.opacity[a] != cloud_.opacity[b])
+      return cloud_.opacity[a] < cloud_.opacity[b];
+    return !cloud_.oriented.empty() && cloud_.oriented[a] < cloud_.oriented[b];
   }
 
   [[nodiscard]] std::uint64_t hash(std::size_t i) const {
@@ -56,34 +79,42 @@ class Content {
       for (const Eigen::Vector3d* v : {&s.position, &s.axis_u, &s.axis_v})
         for (int k = 0; k < 3; ++k) mix((*v)[k]);
     }
+    if (spins_)
+      for (int k = 0; k < 3; ++k) mix(double{cloud_.angular_velocity[i][k]});
+    if (!cloud_.lifetime.empty()) {
+      mix(cloud_.lifetime[i].born);
+      mix(cloud_.lifetime[i].gone);
+    }
     if (!cloud_.color.empty())
       for (int k = 0; k < 3; ++k) mix(double{cloud_.color[i][k]});
     if (!cloud_.opacity.empty()) mix(double{cloud_.opacity[i]});
+    if (!cloud_.oriented.empty()) mix(double{cloud_.oriented[i] != 0 ? 1.0 : 0.0});
     return hash;
   }
 
  private:
   const SurfelCloud& cloud_;
+  bool spins_;
   std::vector<SurfelsAt> poses_;
 };
 
 /// Points along a space-filling curve; those in one cell of it by content.
-std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<double>& frames) {
-  const SurfelsAt pose(cloud, frames.front());
-  const Content content(cloud, frames);
+std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<PathWeights>& poses) {
+  const SurfelsAt pose(cloud, poses.front());
+  const Content content(cloud, poses);
   return content_order(
       cloud.size(), [&](std::size_t i) { return pose[i].position; },
       [&](std::uint32_t a, std::uint32_t b) { return content.less(a, b); });
 }
 
 /// Origins, offsets, axes and the spheres that hold them.
-void pack_poses(const SurfelCloud& cloud, PointPackets& packets) {
+void pack_poses(const SurfelCloud& cloud, const std::vector<PathWeights>& poses, PointPackets& packets) {
   const std::size_t padded = packets.count * packet_size;
   packets.radius.assign(packets.count, 0.0f);
-  // Velocities do not turn discs.
-  const std::size_t turning = cloud.keys.size() == 1 ? 1 : packets.frames.size();
-  for (std::size_t pose = 0; pose < packets.frames.size(); ++pose) {
-    const SurfelsAt surfels(cloud, packets.frames[pose]);
+  // Velocities do not turn discs; rates that do are looked up in the cloud at each instant.
+  const std::size_t turning = cloud.keys.size() == 1 ? 1 : poses.size();
+  for (std::size_t pose = 0; pose < poses.size(); ++pose) {
+    const SurfelsAt surfels(cloud, poses[pose]);
     std::vector<Eigen::Vector3d>& origins = packets.origins.emplace_back(packets.count);
     std::vector<float>& offsets = packets.offsets.emplace_back(3 * padded);
     if (pose < turning) packets.axes.emplace_back(6 * padded);
@@ -132,12 +163,23 @@ void pack_colors(const SurfelCloud& cloud, PointPackets& packets) {
   packets.opaque = std::all_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o == 1.0f; });
 }
 
+void pack_sides(const SurfelCloud& cloud, PointPackets& packets) {
+  if (std::none_of(cloud.oriented.begin(), cloud.oriented.end(), [](auto known) { return known != 0; }))
+    return;
+  packets.oriented.assign(packets.count, 0u);
+  for (std::size_t i = 0; i < packets.points.size(); ++i)
+    if (cloud.is_oriented(packets.points[i])) packets.oriented[i / packet_size] |= 1u << i % packet_size;
+}
+
 PointPackets pack(const Object& object, const Exposure& exposure) {
   const SurfelCloud& cloud = object.cloud;
   PointPackets packets;
   packets.object = &object;
   packets.frames = pose_frames(cloud, exposure);
-  const std::vector<std::uint32_t> order = order_of(cloud, packets.frames);
+  packets.degree = path_degree(cloud);
+  packets.spins = cloud.spins();
+  const std::vector<PathWeights> poses = poses_of(cloud, packets.frames);
+  const std::vector<std::uint32_t> order = order_of(cloud, poses);
   packets.count = (cloud.size() + packet_size - 1) / packet_size;
   packets.points.resize(packets.count * packet_size);
   packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
@@ -146,14 +188,15 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
     packets.points[i] = order[std::min(i, order.size() - 1)];
   if (const std::size_t rest = cloud.size() % packet_size; rest != 0)
     packets.lanes.back() = (1u << rest) - 1u;
-  pack_poses(cloud, packets);
+  pack_poses(cloud, poses, packets);
   pack_colors(cloud, packets);
+  pack_sides(cloud, packets);
   return packets;
 }
 
 /// A number that depends on what an object is and not on the order of its points.
 std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure) {
-  const Content content(packets.object->cloud, packets.frames);
+  const Content content(packets.object->cloud, poses_of(packets.object->cloud, packets.frames));
   std::uint64_t sum = packets.object->two_sided ? 1 : 2;
   sum += reduced(
       packets.object->cloud.size(), std::uint64_t{0},
@@ -173,29 +216,62 @@ std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure
 
 }  // namespace
 
-PacketPoints PointPackets::at(std::size_t p, std::size_t pose, float blend) const {
-  const bool moves = blend > 0.0f && pose + 1 < frames.size();
+PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, PacketScratch& scratch) const {
+  const std::size_t pose = instant.pose;
+  const auto blend = static_cast<float>(instant.blend);
+  const bool moves = blend > 0.0f && pose + degree < offsets.size();
   const auto field = [&](const std::vector<std::vector<float>>& poses, std::size_t fields,
                          std::size_t which) { return poses[which].data() + fields * p * packet_size; };
-  const bool turns = moves && axes.size() > 1;
-  return {field(offsets, 3, pose),
-          moves ? field(offsets, 3, pose + 1) : nullptr,
-          field(axes, 6, axes.size() > 1 ? pose : 0),
-          turns ? field(axes, 6, pose + 1) : nullptr,
-          blend,
-          lanes[p]};
+  const bool keyed = axes.size() > 1;
+  const float *offset = field(offsets, 3, pose), *axis = field(axes, 6, keyed ? pose : 0);
+  PacketPoints found{offset, nullptr, axis, nullptr, blend, lanes[p], oriented.empty() ? 0 : oriented[p]};
+  if (moves && degree == 1) {
+    found.offset_after = field(offsets, 3, pose + 1);
+    if (keyed) found.axes_after = field(axes, 6, pose + 1);
+  } else if (moves) {
+    const auto curved = [&](const std::vector<std::vector<float>>& poses, std::size_t fields,
+                            const float* from, float* to) {
+      const std::size_t numbers = fields * packet_size;
+      std::copy(from, from + numbers, to);
+      for (std::size_t k = 1; k <= degree; ++k) {
+        const auto weight = static_cast<float>(instant.bernstein[k - 1]);
+        const float* const control = field(poses, fields, pose + k);
+        for (std::size_t i = 0; i < numbers; ++i) to[i] += weight * (control[i] - from[i]);
+      }
+      return to;
+    };
+    found.offset = curved(offsets, 3, offset, scratch.offset);
+    if (keyed) found.axes = curved(axes, 6, axis, scratch.axes);
+  }
+  const SurfelCloud& cloud = object->cloud;
+  if (spins) {
+    const SurfelsAt& surfels = *instant.surfels;
+    for (std::size_t lane = 0; lane < packet_size; ++lane) {
+      const SurfelInstant at = surfels[points[p * packet_size + lane]];
+      for (std::size_t i = 0; i < 3; ++i) {
+        scratch.axes[i * packet_size + lane] = static_cast<float>(at.axis_u[static_cast<int>(i)]);
+        scratch.axes[(3 + i) * packet_size + lane] = static_cast<float>(at.axis_v[static_cast<int>(i)]);
+      }
+    }
+    found.axes = scratch.axes;
+  }
+  if (!cloud.lifetime.empty())
+    for (std::uint32_t lane = 0; lane < packet_size; ++lane)
+      if (!cloud.exists(points[p * packet_size + lane], instant.instant.frame)) found.lanes &= ~(1u << lane);
+  return found;
 }
 
 std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
   std::size_t bytes = 0;
   for (const Object& object : scene.objects) {
-    if (object.cloud.size() == 0) continue;
-    const std::size_t poses = pose_frames(object.cloud, exposure).size();
+    if (object.discs() == 0) continue;
+    const std::size_t stretches = pose_frames(object.cloud, exposure).size() - 1;
+    const std::size_t poses = stretches * path_degree(object.cloud) + 1;
     const std::size_t turning = object.cloud.keys.size() == 1 ? 1 : poses;
     const std::size_t packets = (object.cloud.size() + packet_size - 1) / packet_size;
     const std::size_t a_lane = sizeof(float) * (3 * poses + 6 * turning + 4) + sizeof(std::uint32_t);
-    bytes += packets *
-             (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) + sizeof(std::uint32_t));
+    bytes += packets * (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) +
+                        sizeof(std::uint32_t) * (object.cloud.oriented.empty() ? 1 : 2));
   }
   return bytes;
 }
@@ -203,7 +279,7 @@ std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
 std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.cloud.size() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
+    if (object.discs() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
       objects.push_back(pack(object, exposure));
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());

@@ -16,25 +16,38 @@
 
 namespace swept {
 
-/// Object space. Between two poses points move in straight lines, as SurfelCloud's keys have it.
+struct ObjectInstant;
+
+/// A packet's points at an instant, where they are not read from the packets as they lie there.
+struct PacketScratch {
+  float offset[3 * packet_size], axes[6 * packet_size];
+};
+
+/// Object space. From one of `frames` to the next points follow Bézier curves of one degree, of which the
+/// poses are the control points: pose j · degree + k is control point k of stretch j, and the last of one
+/// stretch is the first of the next.
 struct PointPackets {
   const Object* object = nullptr;
-  std::size_t count = 0;                              ///< packets
-  std::vector<double> frames;                         ///< of the poses, increasing; one: nothing moves
+  std::size_t count = 0;       ///< packets
+  std::size_t degree = 1;      ///< 1: straight lines, as linear keys and velocities have it
+  bool spins = false;          ///< discs turn at rates of their own, which the poses do not have
+  std::vector<double> frames;  ///< where stretches begin and end, increasing; one: nothing moves
   std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
   std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
   std::vector<std::vector<float>> axes;               ///< by pose, or of all poses; 6 · 16 a packet
-  std::vector<float> colors;          ///< red, green, blue times opacity, opacity; 4 · 16 a packet
-  std::vector<float> radius;          ///< of the sphere about the origin that holds the discs
-  std::vector<std::uint32_t> lanes;   ///< that hold a point, a bit each
-  std::vector<std::uint32_t> points;  ///< index of each lane in the object's cloud
+  std::vector<float> colors;            ///< red, green, blue times opacity, opacity; 4 · 16 a packet
+  std::vector<float> radius;            ///< of the sphere about the origin that holds the discs
+  std::vector<std::uint32_t> lanes;     ///< that hold a point, a bit each
+  std::vector<std::uint32_t> oriented;  ///< likewise, and whose front and back are told apart; empty: none
+  std::vector<std::uint32_t> points;    ///< index of each lane in the object's cloud
   bool opaque = true;
 
-  /// Of packet `p` between poses `pose` and pose + 1.
-  [[nodiscard]] PacketPoints at(std::size_t p, std::size_t pose, float blend) const;
+  /// Packet `p`. What is returned may lie in `scratch`.
+  [[nodiscard]] PacketPoints at(std::size_t p, const ObjectInstant& instant, PacketScratch& scratch) const;
 };
 
-/// Bytes that pack_points() keeps: 56 a point that stands still, 70 with a velocity, 36 for each further key.
+/// Bytes that pack_points() keeps: 56 a point that stands still, 70 with a velocity, 36 for each further
+/// pose.
 [[nodiscard]] std::size_t packed_bytes(const Scene& scene, const Exposure& exposure);
 
 /// Packs every object of `scene` over `exposure`, or those that stand still in it. The objects come in an

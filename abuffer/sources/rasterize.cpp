@@ -30,7 +30,33 @@ Row rows_of(const Octagon& octagon, const Window& window) {
   return {static_cast<int>(low), static_cast<int>(high)};
 }
 
+/// The kernel in the shutter time of a row that is exposed so much later. False: it is not there then.
+bool delay(MovingKernel& kernel, double later) {
+  const double middle = double{kernel.t_mid()};
+  kernel.t_begin = static_cast<float>(std::clamp(kernel.t_begin - later, 0.0, 1.0));
+  kernel.t_end = static_cast<float>(std::clamp(kernel.t_end - later, 0.0, 1.0));
+  kernel.center += (kernel.t_mid() + later - middle) * kernel.velocity;
+  return kernel.t_begin < kernel.t_end;
+}
+
 }  // namespace
+
+std::vector<Shade> shades_of(const KernelSet& set) {
+  const bool any_oriented = std::any_of(set.kernels.begin(), set.kernels.end(),
+                                        [](const MovingKernel& k) { return !k.outside.isZero(0.0f); });
+  std::vector<Shade> shades;
+  shades.reserve((any_oriented ? 2 : 1) * set.kernels.size());
+  for (const MovingKernel& k : set.kernels)
+    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]},
+                      k.depth_tolerance,
+                      k.outside.isZero(0.0f) ? Side::unknown : Side::front});
+  if (!any_oriented) return shades;
+  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
+    shades.push_back(shades[k]);
+    shades.back().side = Side::back;
+  }
+  return shades;
+}
 
 void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t kernel, FragmentArrays& out) {
   const Ticks t_begin = ticks_of(f.t_begin), t_end = ticks_of(f.t_end);
@@ -55,15 +81,24 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
 }
 
 // Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
-[[gnu::flatten]] void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index,
+[[gnu::flatten]] void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index,
                                 const Octagon& octagon, const RasterModel& model, const Window& window,
                                 FragmentArrays& fragments) {
-  const KernelPlane<double> plane(kernel);
+  MovingKernel kernel = of_all_rows;
+  KernelPlane<double> plane(kernel);
   const double per_pixel = 1.0 / model.projection.focal_px;
+  // Of a one-sided disc the back is not seen.
+  const bool oriented = plane.oriented() && model.backs != 0;
+  const std::uint32_t back_index = kernel_index + model.backs;
   const Row rows = rows_of(octagon, window);
   for (int y = rows.first; y < rows.last; ++y) {
     const Row row = row_of(octagon, window, y);
     if (row.first >= row.last) continue;
+    if (model.row_delay != 0.0) {
+      kernel = of_all_rows;
+      if (!delay(kernel, model.row_delay * y)) continue;
+      plane = KernelPlane<double>(kernel);
+    }
     fragments.ensure(static_cast<std::size_t>(row.last - row.first));
     const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;
     const std::uint32_t row_start = static_cast<std::uint32_t>((y - window.y) * window.width - window.x);
@@ -73,7 +108,8 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
       RayFragment<double> fragment;
       if (intersect_tube<double>(plane.along(ray_x, ray_y), kernel.t_begin, kernel.t_end, model.near,
                                  model.delta, kernel.weight, fragment))
-        append(fragment, row_start + static_cast<std::uint32_t>(x), kernel_index, fragments);
+        append(fragment, row_start + static_cast<std::uint32_t>(x),
+               oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index, fragments);
     }
   }
 }

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/interval/fragments.h"
+#include "splat/kernel/kernel_set.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// A rectangle of pixels of the whole film.
 struct Window {
@@ -22,7 +25,12 @@ struct RasterModel {
   Projection projection;
   double near = 0.0;
   double delta = 3.0;
+  std::uint32_t backs = 0;  ///< from a kernel's Shade to that of its back, where the two are told apart
+  double row_delay = 0.0;  ///< shutter time by which each row of the film is exposed later than the one above
 };
+
+/// Of each kernel, by its index; and if any is oriented, after them all again for their backs.
+[[nodiscard]] std::vector<Shade> shades_of(const KernelSet& set);
 
 /// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded
 /// to float. Not one that would last for no tick or weigh nothing, nor what is beyond the range of sums.

@@ -7,7 +7,7 @@
 namespace swept {
 
 FilmStill draw_still(const CellGrid& grid, const SplatRow& standing, const SplatRow& moving,
-                     SplatSurfaces& surfaces, const std::vector<ObjectInstant>& objects,
+                     FilmSurfaces& surfaces, const FilmSurfaces::Instant& objects,
                      tbb::enumerable_thread_specific<SplatPainter>& painters, const std::vector<char>& keep,
                      std::vector<CellWork>& cells) {
   FilmStill still;
@@ -17,9 +17,8 @@ FilmStill draw_still(const CellGrid& grid, const SplatRow& standing, const Splat
   parallel_for_each_index(cells.size(), [&](std::size_t c) {
     CellWork& work = cells[c];
     auto sums = std::make_unique<CellOfSplats>();
-    SampledCell* const discs = surfaces.begin(work.index);
     painters.local().add(work.cell, work.index, standing, moving,
-                         discs != nullptr ? discs->surfaces(objects) : no_surfaces, {}, *sums);
+                         surfaces.empty() ? no_surfaces : surfaces.begin(work.index).at(objects), {}, *sums);
     sums->copy_colors(work.cell, still.width, still.rgba);
     if (keep[work.index] == 0) return;
     work.sums = std::move(sums);

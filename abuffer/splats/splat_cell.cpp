@@ -35,7 +35,10 @@ SplatRule splat_rule(const Scene& scene) {
   rule.most_alpha = static_cast<float>(model.most_alpha);
   rule.least_light = static_cast<float>(model.least_light);
   rule.near = static_cast<float>(model.near);
-  rule.linear = model.blending == SplatBlending::linear;
+  // Without splats everything is light.
+  rule.linear = model.blending == SplatBlending::linear ||
+                std::all_of(scene.objects.begin(), scene.objects.end(),
+                            [](const Object& object) { return object.splats.size() == 0; });
   if (model.blending == SplatBlending::file)
     for (const Object& object : scene.objects)
       if (object.splats.size() > 0) rule.linear = object.splats.colors == SplatColors::linear;

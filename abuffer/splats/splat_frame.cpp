@@ -17,11 +17,11 @@
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/film_motion.h"
 #include "abuffer/splats/film_still.h"
+#include "abuffer/splats/film_surfaces.h"
 #include "abuffer/splats/share_instants.h"
 #include "abuffer/splats/splat_cell.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
-#include "abuffer/splats/splat_surfaces.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -45,15 +45,18 @@ class SplatFrame {
   Result<Rendered> render() {
     const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes"};
+      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes",
+                   ErrorKind::out_of_memory};
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);
-    surfaces_ = std::make_unique<SplatSurfaces>(scene_, exposure_, options_.only_standing,
-                                                implementation_of(options_, sampled_maths().count));
-    out.statistics.time("packets", watch.lap());
     out.image = blank_image(scene_.film);
     image_ = &out.image;
+    const std::size_t which = implementation_of(options_, sampled_maths().count);
+    surfaces_ =
+        std::make_unique<FilmSurfaces>(scene_, exposure_, options_.only_standing,
+                                       sampled_maths().first[which], mesh_maths().first[which], grid_);
+    out.statistics.time("packets", watch.lap());
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     standing_ = SplatRow(scene_, sets_, false, exposure_.open, math_, grid_, wanted_of_window());
@@ -61,7 +64,7 @@ class SplatFrame {
     out.statistics.time("motion", watch.lap());
     const auto unfinished = [](const CellWork& work) { return !work.done && !work.waiting; };
     do {
-      if (!render_round()) return Error{"", "", "the render was stopped"};
+      if (!render_round()) return Error{"", "", "the render was stopped", ErrorKind::cancelled};
     } while (std::any_of(cells_.begin(), cells_.end(), unfinished) || spend_more());
     parallel_for_each_index(cells_.size(), [&](std::size_t i) {
       if (cells_[i].waiting) finish(cells_[i]);
@@ -113,7 +116,7 @@ class SplatFrame {
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
   std::unique_ptr<FilmMotion> motion_;
-  std::unique_ptr<SplatSurfaces> surfaces_;
+  std::unique_ptr<FilmSurfaces> surfaces_;
   std::vector<CellWork> cells_;
   double allowed_mean_square_ = 0.0, safety_ = 1.0;
   Image* image_ = nullptr;
@@ -168,7 +171,7 @@ void SplatFrame::forecast(const SplatRow& standing) {
     motion_->look_for_ways(scene_, sets_, frame, standing, math_, grid_);
     const FilmStill still =
         draw_still(grid_, standing, SplatRow(scene_, sets_, true, frame, math_, grid_, all), *surfaces_,
-                   surfaces_->at(share), painters_, share == 0.5 ? wanted_of_window() : none, cells_);
+                   surfaces_->at(share, all), painters_, share == 0.5 ? wanted_of_window() : none, cells_);
     ++placed_instants_;
     const ErrorForecast errors(still, *motion_, scene_.splats.dilation_px2);
     parallel_for_each_index(cells_.size(), [&](std::size_t c) {
@@ -238,8 +241,9 @@ bool SplatFrame::render_round() {
   instants.erase(std::unique(instants.begin(), instants.end()), instants.end());
   std::size_t splats = 0;
   for (const SplatPackets& set : sets_) splats += set.moves ? set.splats : 0;
+  const std::size_t an_instant = sizeof(PlacedSplat) * splats + surfaces_->instant_bytes();
   const std::size_t batch =
-      std::max<std::size_t>(1, most_placed_bytes / (sizeof(PlacedSplat) * std::max<std::size_t>(1, splats)));
+      std::max<std::size_t>(1, most_placed_bytes / std::max<std::size_t>(1, an_instant));
   for (std::size_t begin = 0; begin < std::max<std::size_t>(1, instants.size()); begin += batch) {
     const std::size_t size = std::min(batch, instants.size() - std::min(begin, instants.size()));
     if (!render_batch(std::span(instants).subspan(std::min(begin, instants.size()), size))) return false;
@@ -261,12 +265,12 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
   }
   std::vector<SplatRow> rows(instants.size());
   // One more, of cells in which nothing moves.
-  std::vector<std::vector<ObjectInstant>> objects(instants.size() + 1);
-  objects.back() = surfaces_->at(0.5);
+  std::vector<FilmSurfaces::Instant> objects(instants.size() + 1);
+  objects.back() = surfaces_->at(0.5, wanted_of_window());
   Stopwatch placing;
   parallel_for_each_index(instants.size(), [&](std::size_t k) {
     if (control_.stop.stop_requested()) return;
-    objects[k] = surfaces_->at(instants[k].time());
+    objects[k] = surfaces_->at(instants[k].time(), wanted[k]);
     rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
   });
   placed_instants_ += instants.size();
@@ -280,7 +284,7 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
       if (work.done || work.waiting || control_.stop.stop_requested()) continue;
       if (!work.sums) work.sums = std::make_unique<CellOfSplats>();
       Stopwatch own;
-      SampledCell* const discs = surfaces_->begin(work.index);
+      FilmSurfaces::OfCell* const surfaces = surfaces_->empty() ? nullptr : &surfaces_->begin(work.index);
       int drawn = 0;
       while (work.next < work.round_size()) {
         if (work.has(work.next)) {
@@ -294,7 +298,7 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
           k = static_cast<std::size_t>(found - instants.begin());
         }
         painter.add(work.cell, work.index, standing_, k < rows.size() ? rows[k] : nothing,
-                    discs != nullptr ? discs->surfaces(objects[k]) : no_surfaces, work.weights(work.next),
+                    surfaces != nullptr ? surfaces->at(objects[k]) : no_surfaces, work.weights(work.next),
                     *work.sums);
         ++work.next, ++drawn;
       }
@@ -389,6 +393,7 @@ void SplatFrame::describe(Statistics& s) const {
   s.count("splats", splats);
   s.count("splats_moving", moving);
   s.count("surfels", static_cast<double>(surfaces_->discs()));
+  s.count("triangles", static_cast<double>(surfaces_->triangles()));
   s.count("packed_bytes", static_cast<double>(packed_splat_bytes(scene_)));
   s.count("instants_placed", static_cast<double>(placed_instants_));
   s.count("instants_per_pixel", instants / std::max(1.0, px));
@@ -401,7 +406,8 @@ void SplatFrame::describe(Statistics& s) const {
   if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
   s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                     : "motion blur: skipped, nothing moves during the exposure");
-  s.effect(rule_.linear ? "splats blended in linear light" : "splats blended in values of sRGB");
+  if (splats > 0.0)
+    s.effect(rule_.linear ? "splats blended in linear light" : "splats blended in values of sRGB");
   s.effect(std::string("arithmetic: ") + math_.name);
 }
 

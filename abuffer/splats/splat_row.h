@@ -12,23 +12,6 @@
 
 namespace swept {
 
-/// The film's cells, in rows.
-struct CellGrid {
-  Film film;
-  std::size_t columns, rows;
-
-  explicit CellGrid(const Film& of)
-      : film(of),
-        columns(static_cast<std::size_t>((of.width + cell_px - 1) / cell_px)),
-        rows(static_cast<std::size_t>((of.height + cell_px - 1) / cell_px)) {}
-  [[nodiscard]] std::size_t size() const { return columns * rows; }
-  [[nodiscard]] Cell cell(std::size_t index) const {
-    const int x = static_cast<int>(index % columns) * cell_px,
-              y = static_cast<int>(index / columns) * cell_px;
-    return {x, y, std::min(cell_px, film.width - x), std::min(cell_px, film.height - y)};
-  }
-};
-
 /// Indices of splats from the nearest to the farthest; of equal depths in their order.
 [[nodiscard]] std::vector<std::uint32_t> by_depth(const std::vector<PlacedSplat>& splats);
 

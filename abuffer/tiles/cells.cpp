@@ -59,6 +59,8 @@ Passage passage_of(const Scene& scene, const Part& part, double radius) {
   const auto depth = [&](int i) { return part.center[i].z(); };
   if (part.least(depth, reach) > scene.camera.near) return Passage::in_front;
   if (part.least([&](int i) { return -depth(i); }, reach) > -scene.camera.near) return Passage::outside;
+  // Near the eye a lens spreads points beyond any bound.
+  if (scene.camera.aperture.radius > 0.0) return Passage::through;
   for (int axis = 0; axis < 2; ++axis)
     for (const double side : {-1.0, 1.0}) {
       const auto half = [&](int i) {
@@ -80,12 +82,88 @@ Passage passage_of(const Scene& scene, const Part& part, double radius) {
   return Passage::through;
 }
 
+/// Parts of a stretch of a packet's path between two looks.
+std::size_t parts_of(const PointPackets& packets) {
+  return packets.degree == 1 ? 1 : std::max<std::size_t>(8, 2 * packets.degree);
+}
+
+/// Frames at which the path of the packets has to be looked at.
+std::vector<double> looks(const PointPackets& packets) {
+  const std::size_t parts = parts_of(packets);
+  if (parts == 1) return packets.frames;
+  std::vector<double> frames{packets.frames.front()};
+  for (std::size_t j = 1; j < packets.frames.size(); ++j)
+    for (std::size_t part = 1; part <= parts; ++part) {
+      const double share = static_cast<double>(part) / static_cast<double>(parts);
+      frames.push_back(packets.frames[j - 1] + share * (packets.frames[j] - packets.frames[j - 1]));
+    }
+  return frames;
+}
+
+/// How far the path of packet `p` may be from chords between looks(), object space: a curve of degree d
+/// leaves the chord over a share h of it by d(d − 1) h²/8 times its control points' largest second
+/// difference.
+double chord_error(const PointPackets& packets, std::size_t p) {
+  if (packets.degree == 1) return 0.0;
+  double largest = 0.0;
+  for (std::size_t k = 0; k + 2 < packets.origins.size(); ++k) {
+    // Across the ends of stretches it means nothing.
+    if (k % packets.degree + 2 > packets.degree) continue;
+    largest = std::max(
+        largest,
+        (packets.origins[k + 2][p] - 2.0 * packets.origins[k + 1][p] + packets.origins[k][p]).norm());
+  }
+  const auto d = static_cast<double>(packets.degree), parts = static_cast<double>(parts_of(packets));
+  return d * (d - 1.0) / 8.0 * largest / (parts * parts);
+}
+
+/// What changes in a packet besides where it is, as so many pixels of motion as take as many instants.
+class ChangesOf {
+ public:
+  ChangesOf(const Scene& scene, const PointPackets& packets, const Exposure& of_row)
+      : cloud_(packets.object->cloud), packets_(packets), of_row_(of_row) {
+    const Exposure all = of_row.of_all_rows(scene.film.height);
+    const ObjectInstant middle(scene, packets, all.middle());
+    all_ = all;
+    const double depth = packets.count > 0 ? middle.center(packets, 0).z() : 0.0;
+    per_unit_ = middle.enlarges * middle.projection.focal_px / std::max(depth, scene.camera.near);
+    if (!std::isfinite(per_unit_)) per_unit_ = 0.0;
+  }
+
+  [[nodiscard]] double px(std::size_t p) const {
+    double most = 0.0;
+    if (cloud_.lifetime.empty() && !packets_.spins) return most;
+    for (std::size_t lane = 0; lane < packet_size; ++lane) {
+      const std::uint32_t i = packets_.points[p * packet_size + lane];
+      if (packets_.spins) {
+        const double rate = cloud_.angular_velocity[i].cast<double>().stableNorm();
+        most = std::max(most, std::min(1e4, rate * (of_row_.close - of_row_.open) *
+                                                double{packets_.radius[p]} * per_unit_));
+      }
+      if (cloud_.lifetime.empty()) continue;
+      const Lifetime& life = cloud_.lifetime[i];
+      const auto during = [&](double frame) { return frame > all_.open && frame < all_.close; };
+      // All its pixels jump at once, which no alternating sum need see.
+      constexpr double jump_px = 256.0;
+      if (during(life.born) || during(life.gone)) most = std::max(most, jump_px);
+    }
+    return most;
+  }
+
+ private:
+  const SurfelCloud& cloud_;
+  const PointPackets& packets_;
+  Exposure of_row_, all_;
+  double per_unit_ = 0.0;
+};
+
 }  // namespace
 
 PacketBins::PacketBins(const Scene& scene, const Exposure& exposure, const std::vector<PointPackets>& objects)
     : film_(scene.film),
+      cell_height_(exposure.row_delay == 0.0 ? cell_px : 1),
       columns_(static_cast<std::size_t>((film_.width + cell_px - 1) / cell_px)),
-      rows_(static_cast<std::size_t>((film_.height + cell_px - 1) / cell_px)),
+      rows_(static_cast<std::size_t>((film_.height + cell_height_ - 1) / cell_height_)),
       motion_(objects.size()),
       starts_(columns_ * rows_ + 1, 0) {
   for (std::size_t object = 0; object < objects.size(); ++object)
@@ -103,15 +181,16 @@ PacketBins::PacketBins(const Scene& scene, const Exposure& exposure, const std::
 
 Cell PacketBins::cell(std::size_t index) const {
   const int x = static_cast<int>(index % columns_) * cell_px,
-            y = static_cast<int>(index / columns_) * cell_px;
-  return {x, y, std::min(cell_px, film_.width - x), std::min(cell_px, film_.height - y)};
+            y = static_cast<int>(index / columns_) * cell_height_;
+  return {x, y, std::min(cell_px, film_.width - x), std::min(cell_height_, film_.height - y)};
 }
 
-void PacketBins::follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets,
+void PacketBins::follow(const Scene& scene, const Exposure& of_row, const PointPackets& packets,
                         std::size_t object) {
-  const bool still = stands_still(scene, *packets.object, exposure);
+  const bool still = stands_still(scene, *packets.object, of_row);
+  const Exposure exposure = of_row.of_all_rows(film_.height);
   const std::vector<double> frames = still ? std::vector<double>{exposure.open}
-                                           : path_frames(scene, *packets.object, packets.frames, exposure);
+                                           : path_frames(scene, *packets.object, looks(packets), exposure);
   // What turns too fast to be followed may be anywhere.
   const bool lost = frames.empty();
   std::vector<ObjectInstant> instants;
@@ -125,6 +204,10 @@ void PacketBins::follow(const Scene& scene, const Exposure& exposure, const Poin
   const std::size_t runs = (packets.count + run - 1) / run, first_run = touched_.size();
   touched_.resize(first_run + runs);
   const double farthest = 4.0 * (film_.width + film_.height);
+  // Of the way that a packet goes over all rows' exposures a row sees this much.
+  const double seen =
+      exposure.close > exposure.open ? (of_row.close - of_row.open) / (exposure.close - exposure.open) : 1.0;
+  const ChangesOf changes(scene, packets, of_row);
   const PacketBounds everywhere{0.0, double{1.0} * film_.width, 0.0, double{1.0} * film_.height, 0.0};
   parallel_for_each_index(runs, [&](std::size_t r) {
     std::vector<Touch>& touches = touched_[first_run + r];
@@ -133,19 +216,21 @@ void PacketBins::follow(const Scene& scene, const Exposure& exposure, const Poin
       cells.clear();
       const auto touch = [&](const PacketBounds& box, double padding) {
         if (box.empty()) return;
-        const auto cell = [&](double v, std::size_t count) {
+        const auto cell = [](double v, int px, std::size_t count) {
           return static_cast<std::size_t>(
-              std::clamp(std::floor(v / cell_px), 0.0, static_cast<double>(count - 1)));
+              std::clamp(std::floor(v / px), 0.0, static_cast<double>(count - 1)));
         };
         if (!(box.x_max + padding >= 0.0 && box.x_min - padding <= film_.width &&
               box.y_max + padding >= 0.0 && box.y_min - padding <= film_.height))
           return;
-        for (std::size_t y = cell(box.y_min - padding, rows_); y <= cell(box.y_max + padding, rows_); ++y)
-          for (std::size_t x = cell(box.x_min - padding, columns_); x <= cell(box.x_max + padding, columns_);
-               ++x)
+        const std::size_t y_last = cell(box.y_max + padding, cell_height_, rows_),
+                          x_last = cell(box.x_max + padding, cell_px, columns_);
+        for (std::size_t y = cell(box.y_min - padding, cell_height_, rows_); y <= y_last; ++y)
+          for (std::size_t x = cell(box.x_min - padding, cell_px, columns_); x <= x_last; ++x)
             cells.push_back(static_cast<std::uint32_t>(y * columns_ + x));
       };
-      const double radius = double{packets.radius[p]};
+      // About a path of chords between the frames looked at.
+      const double radius = double{packets.radius[p]} + 2.0 * chord_error(packets, p);
       Part part;
       part.at[2] = instants.data();
       part.center[2] = instants[0].center(packets, p);
@@ -178,8 +263,9 @@ void PacketBins::follow(const Scene& scene, const Exposure& exposure, const Poin
           touch(everywhere, 0.0);
         before = at[1];
       }
+      length *= seen;
       // Whatever may move is not still, however little.
-      if (!still) length = std::max(length, 1e-9);
+      if (!still) length = std::max(length + changes.px(p), 1e-9);
       motion_[object][p] = static_cast<float>(std::min(length, farthest));
       std::sort(cells.begin(), cells.end());
       cells.erase(std::unique(cells.begin(), cells.end()), cells.end());

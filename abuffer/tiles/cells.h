@@ -1,8 +1,10 @@
-// The film in cells of 64 × 64 pixels, and which packets of points come by in each.
+// The film in cells of 64 × 64 pixels, or of 64 × 1 where each row is exposed at a time of its own, and which
+// packets of points come by in each.
 //
 // Cells are of the film, not of the crop: what is decided for one does not depend on what else is asked for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,6 +20,23 @@ struct Cell {
   int x = 0, y = 0, width = 0, height = 0;  ///< px of the film
 };
 
+/// The film's cells, in rows.
+struct CellGrid {
+  Film film;
+  std::size_t columns, rows;
+
+  explicit CellGrid(const Film& of)
+      : film(of),
+        columns(static_cast<std::size_t>((of.width + cell_px - 1) / cell_px)),
+        rows(static_cast<std::size_t>((of.height + cell_px - 1) / cell_px)) {}
+  [[nodiscard]] std::size_t size() const { return columns * rows; }
+  [[nodiscard]] Cell cell(std::size_t index) const {
+    const int x = static_cast<int>(index % columns) * cell_px,
+              y = static_cast<int>(index / columns) * cell_px;
+    return {x, y, std::min(cell_px, film.width - x), std::min(cell_px, film.height - y)};
+  }
+};
+
 /// A packet of one of the objects.
 struct PacketRef {
   std::uint32_t object, packet;
@@ -25,7 +44,7 @@ struct PacketRef {
 
 class PacketBins {
  public:
-  /// Follows every packet over the exposure. Runs in the caller's task arena.
+  /// Follows every packet over the exposure, of all rows. Runs in the caller's task arena.
   PacketBins(const Scene& scene, const Exposure& exposure, const std::vector<PointPackets>& objects);
 
   [[nodiscard]] std::size_t cell_count() const { return starts_.size() - 1; }
@@ -35,13 +54,14 @@ class PacketBins {
   [[nodiscard]] std::span<const PacketRef> packets(std::size_t cell) const {
     return std::span(entries_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
   }
-  /// How far a packet's centre moves across the film over the exposure, px; 0 only where it stands still.
+  /// How far a packet's centre moves across the film over a row's exposure, px; 0 only where it stands still.
   [[nodiscard]] float motion_px(PacketRef packet) const { return motion_[packet.object][packet.packet]; }
 
  private:
   void follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets, std::size_t object);
 
   Film film_;
+  int cell_height_;  ///< px
   std::size_t columns_, rows_;
   std::vector<std::vector<float>> motion_;
   std::vector<std::size_t> starts_;

@@ -9,6 +9,7 @@
 #include <epoxy/gl.h>
 
 #include "gpu_passes/device/egl_library.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -109,21 +110,22 @@ class ContextFactory {
 
  private:
   static Error failed(const char* call) {
-    return {"", "gpu", std::string(call) + " fails with " + egl_error_name(eglGetError())};
+    return {"", "gpu", std::string(call) + " fails with " + egl_error_name(eglGetError()), ErrorKind::device};
   }
 
   Result<GlContext> on_display(EGLDisplay display, const std::string& id) {
     if (display == EGL_NO_DISPLAY) return failed("eglGetPlatformDisplayEXT");
     EGLint major = 0, minor = 0;
     if (eglInitialize(display, &major, &minor) != EGL_TRUE) return failed("eglInitialize");
-    if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return Error{"", "gpu", "it has no desktop OpenGL"};
+    if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE)
+      return Error{"", "gpu", "it has no desktop OpenGL", ErrorKind::device};
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
     // EGL 1.5 has the former, with the same numbers, and need not list it.
     const bool has_versions = major > 1 || minor >= 5 || has_word(extensions, "EGL_KHR_create_context");
     for (const auto& [needed, there] :
          {std::pair{"EGL_KHR_create_context", has_versions},
           std::pair{"EGL_KHR_surfaceless_context", has_word(extensions, "EGL_KHR_surfaceless_context")}})
-      if (!there) return Error{"", "gpu", std::string("it lacks ") + needed};
+      if (!there) return Error{"", "gpu", std::string("it lacks ") + needed, ErrorKind::device};
 
     EGLConfig config = nullptr;
     if (!has_word(extensions, "EGL_KHR_no_config_context")) {
@@ -131,7 +133,7 @@ class ContextFactory {
                                              EGL_NONE};
       EGLint count = 0;
       if (eglChooseConfig(display, wanted.data(), &config, 1, &count) != EGL_TRUE || count < 1)
-        return Error{"", "gpu", "it has no configuration for OpenGL"};
+        return Error{"", "gpu", "it has no configuration for OpenGL", ErrorKind::device};
     }
     constexpr std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION_KHR,
                                                4,
@@ -144,7 +146,8 @@ class ContextFactory {
     made.display_ = display;
     made.context_ = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
     if (made.context_ == EGL_NO_CONTEXT)
-      return Error{"", "gpu", "it has no OpenGL 4.3 core (" + egl_error_name(eglGetError()) + ")"};
+      return Error{"", "gpu", "it has no OpenGL 4.3 core (" + egl_error_name(eglGetError()) + ")",
+                   ErrorKind::device};
     const CurrentContext current(made);
     if (const Status status = current.status(); !status) return status.error();
     const auto text = [](GLenum name) {
@@ -168,7 +171,7 @@ Result<GlContext> GlContext::create(const std::string& device) {
   ContextFactory factory;
   const std::vector<EGLDeviceEXT> devices = egl_devices();
   const auto because = [&](Error error) {
-    return Error{"", field, "no context on " + wanted + ": " + error.reason};
+    return Error{"", field, "no context on " + wanted + ": " + error.reason, error.kind};
   };
   if (wanted == surfaceless_name) {
     if (!has_surfaceless()) return because({"", "", "EGL lacks EGL_MESA_platform_surfaceless"});
@@ -180,7 +183,8 @@ Result<GlContext> GlContext::create(const std::string& device) {
     if (index < 0 || static_cast<std::size_t>(index) >= devices.size())
       return Error{"", field,
                    "must be \"surfaceless\" or the index of one of the " + std::to_string(devices.size()) +
-                       " EGL devices, not \"" + wanted + "\""};
+                       " EGL devices, not \"" + wanted + "\"",
+                   ErrorKind::device};
     Result<GlContext> made =
         factory.on_device(devices[static_cast<std::size_t>(index)], static_cast<std::size_t>(index));
     return made ? std::move(made) : because(made.error());
@@ -202,7 +206,7 @@ Result<GlContext> GlContext::create(const std::string& device) {
   } else {
     reasons += "; EGL lacks EGL_MESA_platform_surfaceless";
   }
-  return Error{"", field, "no OpenGL 4.3 without a display" + reasons};
+  return Error{"", field, "no OpenGL 4.3 without a display" + reasons, ErrorKind::device};
 }
 
 GlContext::GlContext(GlContext&& other) noexcept
@@ -243,23 +247,25 @@ CurrentContext::~CurrentContext() {
 
 Status CurrentContext::status() const {
   if (error_ == EGL_SUCCESS) return Done{};
-  return Error{"", "gpu", "the context cannot be made current: " + egl_error_name(error_)};
+  return Error{"", "gpu", "the context cannot be made current: " + egl_error_name(error_), ErrorKind::device};
 }
 
 Result<std::vector<GpuDevice>> list_gpus() {
-  if (Status status = find_libraries(egl_libraries()); !status) return status.error();
-  std::vector<GpuDevice> list;
-  const auto add = [&](const std::string& id, const Result<GlContext>& made) {
-    if (made)
-      list.push_back(made->device());
-    else
-      list.push_back({id, "", "", "", made.error().reason});
-  };
-  ContextFactory factory;
-  const std::vector<EGLDeviceEXT> devices = egl_devices();
-  for (std::size_t i = 0; i < devices.size(); ++i) add(std::to_string(i), factory.on_device(devices[i], i));
-  if (has_surfaceless()) add(surfaceless_name, factory.surfaceless());
-  return list;
+  return without_throwing("for the list of GPUs", [&]() -> Result<std::vector<GpuDevice>> {
+    if (Status status = find_libraries(egl_libraries()); !status) return status.error();
+    std::vector<GpuDevice> list;
+    const auto add = [&](const std::string& id, const Result<GlContext>& made) {
+      if (made)
+        list.push_back(made->device());
+      else
+        list.push_back({id, "", "", "", made.error().reason});
+    };
+    ContextFactory factory;
+    const std::vector<EGLDeviceEXT> devices = egl_devices();
+    for (std::size_t i = 0; i < devices.size(); ++i) add(std::to_string(i), factory.on_device(devices[i], i));
+    if (has_surfaceless()) add(surfaceless_name, factory.surfaceless());
+    return list;
+  });
 }
 
 }  // namespace swept

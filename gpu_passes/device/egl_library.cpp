@@ -21,7 +21,8 @@ Status find_libraries(const std::vector<LibraryNames>& libraries) {
     if (std::any_of(names.begin(), names.end(), loads)) continue;
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : " or ") + name;
-    return Error{"", "gpu", "the GPU modes need " + list + ", which cannot be loaded here"};
+    return Error{"", "gpu", "the GPU modes need " + list + ", which cannot be loaded here",
+                 ErrorKind::device};
   }
   return Done{};
 }

@@ -56,10 +56,11 @@ Status take_errors(const char* doing) {
   if (first == GL_NO_ERROR) return Done{};
   const std::string message = take_message();
   if (first == GL_OUT_OF_MEMORY)
-    return Error{"", "gpu", std::string("not enough memory on the GPU while ") + doing};
-  return Error{
-      "", "gpu",
-      "OpenGL error " + name_of(first) + " while " + doing + (message.empty() ? "" : ": " + message)};
+    return Error{"", "gpu", std::string("not enough memory on the GPU while ") + doing,
+                 ErrorKind::out_of_memory};
+  return Error{"", "gpu",
+               "OpenGL error " + name_of(first) + " while " + doing + (message.empty() ? "" : ": " + message),
+               ErrorKind::device};
 }
 
 }  // namespace swept

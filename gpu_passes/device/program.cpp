@@ -33,8 +33,8 @@ Status append_expanded(std::string_view name, std::string_view source, ShaderTex
     if (std::find(out.files.begin(), out.files.end(), included) == out.files.end()) {
       const std::string_view included_source = shader_source(included);
       if (included_source.empty())
-        return Error{std::string(name), std::to_string(line),
-                     "includes " + included + ", which there is not"};
+        return Error{std::string(name), std::to_string(line), "includes " + included + ", which there is not",
+                     ErrorKind::device};
       if (Status status = append_expanded(included, included_source, out); !status) return status;
     }
     out.text += line_directive(line + 1, file);
@@ -134,7 +134,8 @@ Result<GlShader> compile_shader(GLenum stage, std::string_view name, std::string
   if (compiled == GL_TRUE) return shader;
   return Error{std::string(name), "",
                "does not compile: " +
-                   name_files(log_of(shader.name(), glGetShaderiv, glGetShaderInfoLog), expanded->files)};
+                   name_files(log_of(shader.name(), glGetShaderiv, glGetShaderInfoLog), expanded->files),
+               ErrorKind::device};
 }
 
 Result<GlProgram> build_program(std::string_view vertex, std::string_view fragment,
@@ -154,7 +155,8 @@ Result<GlProgram> build_program(std::string_view vertex, std::string_view fragme
   if (linked != GL_TRUE)
     return Error{std::string(fragment), "",
                  "does not link with " + std::string(vertex) + ": " +
-                     log_of(program.name(), glGetProgramiv, glGetProgramInfoLog)};
+                     log_of(program.name(), glGetProgramiv, glGetProgramInfoLog),
+                 ErrorKind::device};
   for (const GLuint shader : {vertex_shader->name(), fragment_shader->name()})
     glDetachShader(program.name(), shader);
   const GLuint block = glGetUniformBlockIndex(program.name(), "Frame");

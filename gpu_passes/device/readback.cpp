@@ -24,7 +24,7 @@ Readback::Readback(const FrameTargets& targets, PixelBuffer buffer)
 
 Status Readback::wait() const {
   if (done_.wait()) return Done{};
-  return Error{"", "gpu", "the device was lost while it drew the frame"};
+  return Error{"", "gpu", "the device was lost while it drew the frame", ErrorKind::device};
 }
 
 Status Readback::read(const Visit& visit) const {
@@ -39,7 +39,7 @@ Status Readback::read(const Visit& visit) const {
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   if (intact) return Done{};
-  return Error{"", "gpu", "the frame cannot be read back from the device"};
+  return Error{"", "gpu", "the frame cannot be read back from the device", ErrorKind::device};
 }
 
 PixelBuffer Readback::take_buffer() { return std::exchange(buffer_, {}); }

@@ -35,7 +35,8 @@ Result<FrameTargets> FrameTargets::create(int width, int height) {
     return Error{"", "/film",
                  "the window of " + std::to_string(width) + " x " + std::to_string(height) +
                      " px is larger than this device draws, " + std::to_string(limit_x) + " x " +
-                     std::to_string(limit_y) + " px; render it in crops"};
+                     std::to_string(limit_y) + " px; render it in crops",
+                 ErrorKind::device};
   FrameTargets targets;
   targets.width_ = width;
   targets.height_ = height;
@@ -61,7 +62,8 @@ Result<GlFramebuffer> FrameTargets::framebuffer(const Pass& pass) const {
   const bool complete = glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   if (!complete)
-    return Error{"", "gpu", std::string("this device cannot draw into the targets of ") + pass.name};
+    return Error{"", "gpu", std::string("this device cannot draw into the targets of ") + pass.name,
+                 ErrorKind::device};
   return framebuffer;
 }
 

@@ -8,9 +8,10 @@
 
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/image.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What an observer 0.7 m in front of a 0.7 m wide monitor of 3840 pixels has, as in the paper.
 inline constexpr double kFlipPixelsPerDegree = 67.0;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "splat/compare/flip.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -148,26 +149,30 @@ struct Tally {
 }  // namespace
 
 Status check_windows(const Image& a, const Image& b, const CompareOptions& options) {
-  const Result<Window> common = common_window(a, b, options);
-  if (!common) return common.error();
-  return Done{};
+  return without_throwing("to compare the images", [&]() -> Status {
+    const Result<Window> common = common_window(a, b, options);
+    if (!common) return common.error();
+    return Done{};
+  });
 }
 
 Result<ImageMetrics> compare_images(const Image& a, const Image& b, const CompareOptions& options) {
-  for (const Image* image : {&a, &b}) {
-    if (const Status status = image->validate(); !status) return status.error();
-  }
-  const Result<Window> common = common_window(a, b, options);
-  if (!common) return common.error();
-  const Window& window = *common;
-  Tally tally;
-  for (int y = window.top; y < window.bottom; ++y) {
-    for (int x = window.left; x < window.right; ++x) tally.add(pixel_at(a, x, y), pixel_at(b, x, y), x, y);
-  }
-  ImageMetrics metrics = tally.finish(window.pixels());
-  metrics.ssim = mean_ssim(luminance(a, window), luminance(b, window), window.width(), window.height());
-  metrics.flip = mean_flip(cropped(a, window), cropped(b, window));
-  return metrics;
+  return without_throwing("to compare the images", [&]() -> Result<ImageMetrics> {
+    for (const Image* image : {&a, &b}) {
+      if (const Status status = image->validate(); !status) return status.error();
+    }
+    const Result<Window> common = common_window(a, b, options);
+    if (!common) return common.error();
+    const Window& window = *common;
+    Tally tally;
+    for (int y = window.top; y < window.bottom; ++y) {
+      for (int x = window.left; x < window.right; ++x) tally.add(pixel_at(a, x, y), pixel_at(b, x, y), x, y);
+    }
+    ImageMetrics metrics = tally.finish(window.pixels());
+    metrics.ssim = mean_ssim(luminance(a, window), luminance(b, window), window.width(), window.height());
+    metrics.flip = mean_flip(cropped(a, window), cropped(b, window));
+    return metrics;
+  });
 }
 
 Image difference_image(const Image& a, const Image& b, double scale, const CompareOptions& options) {

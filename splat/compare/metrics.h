@@ -4,10 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/image.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Colour figures are over R, G and B as stored, premultiplied. A pixel with a NaN or an infinity in either
 /// image has no finite error: it is counted, it is among those over 1/255, and all other figures are over

@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <limits>
 
+#include "splat/export.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Over what a pixel's colour is divided by its weights (model section 1.3).
 enum class Normalisation {

@@ -9,15 +9,18 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/export.h"
+#include "splat/interval/side.h"
 #include "splat/interval/ticks.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
-/// Linear, premultiplied RGBA, and the depth tolerance that travels with it: what fragments of one kernel
-/// share.
+/// Linear, premultiplied RGBA, and the depth tolerance and the side that travel with it: what fragments of
+/// one kernel share that show the same side.
 struct Shade {
   float rgba[4];
   float depth_tolerance;
+  Side side = Side::unknown;
 };
 
 /// Grows, never shrinks, and is reused from window to window: no allocation per fragment.

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// Shutter time in 2⁻³⁰ of the exposure: 0 is open, shutter_close is closed. As fine at the end as at the
 /// beginning, where a float's last digit is 2⁻²⁴ of the exposure, which a fast disc needs to pass a pixel;

@@ -145,6 +145,11 @@ class Assembler {
       set.normal.push_back(vector_at(values_, *plan_.normal, i).stableNormalized().cast<float>());
     }
     if (plan_.velocity) set.velocity.push_back(vector_at(values_, *plan_.velocity, i).cast<float>());
+    if (plan_.acceleration)
+      set.acceleration.push_back(vector_at(values_, *plan_.acceleration, i).cast<float>());
+    if (plan_.angular_velocity)
+      set.angular_velocity.push_back(vector_at(values_, *plan_.angular_velocity, i).cast<float>());
+    if (plan_.time) set.time.push_back(values_[*plan_.time][i]);
     if (!plan_.log_scale.empty()) {
       add_gaussian(i, set);
     } else if (plan_.radius) {
@@ -229,7 +234,8 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
                                  const ReadOptions& options) {
   const std::size_t count = values[plan.position[0]].size();
   if (count == 0) return Error{path, "", "has no points"};
-  if (count >= kDropped) return Error{path, "", "has more points than 32-bit indices can name"};
+  if (count >= kDropped)
+    return Error{path, "", "has more points than 32-bit indices can name", ErrorKind::unsupported};
   if (!(options.delta > 0.0) || !std::isfinite(options.delta)) {
     return Error{"", "delta", "must be positive and finite"};
   }

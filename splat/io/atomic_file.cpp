@@ -1,4 +1,5 @@
 #include "splat/io/atomic_file.h"
+#include "splat/io/guarded.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -46,7 +47,8 @@ void free_slot(int slot) {
 }
 
 Error system_error(const std::string& path, const char* what, int code) {
-  return {path, "", std::string(what) + ": " + std::generic_category().message(code)};
+  return {path, "", std::string(what) + ": " + std::generic_category().message(code),
+          code == ENOENT ? ErrorKind::not_found : ErrorKind::device};
 }
 
 /// Where writing to `path` writes to: the end of the links, of which the last may lead nowhere yet.
@@ -60,10 +62,12 @@ Result<std::string> target_of(const std::string& path) {
       if (errno != ENOENT) return system_error(path, "cannot be written", errno);
       return target.string();
     }
-    if (S_ISDIR(status.st_mode)) return Error{path, "", "cannot be written: it is a folder"};
+    if (S_ISDIR(status.st_mode))
+      return Error{path, "", "cannot be written: it is a folder", ErrorKind::device};
     if (S_ISREG(status.st_mode)) return target.string();
     if (!S_ISLNK(status.st_mode))
-      return Error{path, "", "cannot be written: it is a pipe or a device, and not a file"};
+      return Error{path, "", "cannot be written: it is a pipe or a device, and not a file",
+                   ErrorKind::device};
     std::error_code code;
     const fs::path next = fs::read_symlink(target, code);
     if (code) return system_error(path, "cannot be written", code.value());
@@ -165,52 +169,61 @@ bool AtomicFile::try_name(const std::string& name) {
 }
 
 Result<AtomicFile> AtomicFile::create(const std::string& path) {
-  if (path.empty()) return Error{"", "path", "an output file needs a name"};
-  Result<std::string> target = target_of(path);
-  if (!target) return target.error();
-  AtomicFile file;
-  file.path_ = path;
-  file.target_ = std::move(*target);
-  std::string stem = file.target_;
-  for (int n = 0; n < kMostTemporaries; ++n) {
-    if (file.try_name(stem + ".tmp" + std::to_string(n))) return file;
-    if (errno == ENAMETOOLONG && stem == file.target_) {
-      stem = (std::filesystem::path(file.target_).parent_path() / ".swept").string();
-      n = -1;
-      continue;
+  return io::guarded(path, [&]() -> Result<AtomicFile> {
+    if (path.empty()) return Error{"", "path", "an output file needs a name"};
+    Result<std::string> target = target_of(path);
+    if (!target) return target.error();
+    AtomicFile file;
+    file.path_ = path;
+    file.target_ = std::move(*target);
+    std::string stem = file.target_;
+    for (int n = 0; n < kMostTemporaries; ++n) {
+      if (file.try_name(stem + ".tmp" + std::to_string(n))) return file;
+      if (errno == ENAMETOOLONG && stem == file.target_) {
+        stem = (std::filesystem::path(file.target_).parent_path() / ".swept").string();
+        n = -1;
+        continue;
+      }
+      if (errno != EEXIST) return file.error("cannot be written", errno);
     }
-    if (errno != EEXIST) return file.error("cannot be written", errno);
-  }
-  return Error{path, "", "cannot be written: its folder is full of temporary files " + stem + ".tmpN"};
+    return Error{path, "", "cannot be written: its folder is full of temporary files " + stem + ".tmpN",
+                 ErrorKind::device};
+  });
 }
 
 Status AtomicFile::commit(IfExists existing) {
-  // A write that failed earlier has left its errno behind long ago.
-  const bool written = std::ferror(stream_) == 0;
-  // Closed first, where some file systems say that they are full, and locked until the rename all the same.
-  const int lock = fcntl(fileno(stream_), F_DUPFD_CLOEXEC, 0);
-  errno = 0;
-  const bool closed = std::fclose(std::exchange(stream_, nullptr)) == 0;
-  int code = errno;
-  if (written && closed) {
-    code = existing == IfExists::fail ? rename_to_new(temporary_, target_) : rename_over(temporary_, target_);
-    if (code == 0) temporary_.clear();
-  }
-  discard();
-  if (lock >= 0) close(lock);
-  if (!closed) return error("cannot be written", code);
-  if (!written) return Error{path_, "", "not all of it could be written; is the disk full?"};
-  if (code == EEXIST) return Error{path_, "", "appeared while it was being written, and is kept"};
-  if (code != 0) return error("cannot be put in place", code);
-  return Done{};
+  return io::guarded(path_, [&]() -> Status {
+    // A write that failed earlier has left its errno behind long ago.
+    const bool written = std::ferror(stream_) == 0;
+    // Closed first, where some file systems say that they are full, and locked until the rename all the same.
+    const int lock = fcntl(fileno(stream_), F_DUPFD_CLOEXEC, 0);
+    errno = 0;
+    const bool closed = std::fclose(std::exchange(stream_, nullptr)) == 0;
+    int code = errno;
+    if (written && closed) {
+      code =
+          existing == IfExists::fail ? rename_to_new(temporary_, target_) : rename_over(temporary_, target_);
+      if (code == 0) temporary_.clear();
+    }
+    discard();
+    if (lock >= 0) close(lock);
+    if (!closed) return error("cannot be written", code);
+    if (!written) return Error{path_, "", "not all of it could be written; is the disk full?"};
+    if (code == EEXIST)
+      return Error{path_, "", "appeared while it was being written, and is kept", ErrorKind::device};
+    if (code != 0) return error("cannot be put in place", code);
+    return Done{};
+  });
 }
 
 Status write_file(const std::string& path, std::string_view content) {
-  Result<AtomicFile> file = AtomicFile::create(path);
-  if (!file) return file.error();
-  // A short write sets the stream's error, which commit reports.
-  std::fwrite(content.data(), 1, content.size(), file->stream());
-  return file->commit();
+  return io::guarded(path, [&]() -> Status {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    if (!file) return file.error();
+    // A short write sets the stream's error, which commit reports.
+    std::fwrite(content.data(), 1, content.size(), file->stream());
+    return file->commit();
+  });
 }
 
 void remove_temporaries() noexcept {

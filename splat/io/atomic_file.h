@@ -5,9 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "splat/export.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What becomes of a file that has appeared at the path since it was asked for.
 enum class IfExists {

@@ -16,6 +16,9 @@ const Names kAxes{"x", "y", "z"}, kDigits{"0", "1", "2"}, kWords{"red", "green",
 const Stems kPosition{"p", "pos", "position", "positions", "point", "coord"};
 const Stems kNormal{"n", "normal", "normals"};
 const Stems kVelocity{"v", "velocity", "velocities", "vel"};
+const Stems kAcceleration{"acceleration", "accelerations", "accel", "acc"};
+// Houdini: w.
+const Stems kAngularVelocity{"angularvelocity", "angularvelocities", "angvel", "omega", "w"};
 const Stems kColor{"cd", "color", "colour", "colors", "rgb", "diffuse", "displaycolor"};
 
 void add_vectors(std::vector<Names>& usual, const Stems& stems, const std::vector<Names>& endings) {
@@ -30,16 +33,21 @@ void add_vectors(std::vector<Names>& usual, const Stems& stems, const std::vecto
 
 std::vector<AttributeNames> make_table() {
   std::vector<Names> position{kAxes}, normal, velocity, color{kWords, kLetters};
+  std::vector<Names> acceleration{{"ax", "ay", "az"}}, angular;
   add_vectors(position, kPosition, {kAxes, kDigits});
   position.push_back({"easting", "northing", "elevation"});
   position.push_back({"easting", "northing", "height"});
   add_vectors(normal, kNormal, {kAxes, kDigits});
   add_vectors(velocity, kVelocity, {kAxes, kDigits});
   velocity.push_back({"dx", "dy", "dz"});
+  add_vectors(acceleration, kAcceleration, {kAxes, kDigits});
+  add_vectors(angular, kAngularVelocity, {kAxes, kDigits});
   add_vectors(color, kColor, {kWords, kLetters, kAxes, kDigits});
   return {{"position", 3, 3, position},
           {"normal", 3, 3, normal},
           {"velocity", 3, 3, velocity},
+          {"acceleration", 3, 3, acceleration},
+          {"angular_velocity", 3, 3, angular},
           {"color", 3, 4, color},
           {"radius", 1, 1, {{"radius"}, {"pscale"}, {"radii"}, {"pointradius"}}},
           {"width", 1, 1, {{"width"}, {"widths"}, {"diameter"}, {"size"}, {"pointsize"}}},
@@ -55,7 +63,8 @@ std::vector<AttributeNames> make_table() {
             {"grey"},
             {"gray"},
             {"i"}}},
-          {"id", 1, 1, {{"id"}, {"ids"}, {"pointid"}, {"particleid"}}}};
+          {"id", 1, 1, {{"id"}, {"ids"}, {"pointid"}, {"particleid"}}},
+          {"time", 1, 1, {{"time"}, {"t"}, {"timestamp"}, {"timestamps"}, {"gpstime"}}}};
 }
 
 }  // namespace
@@ -86,7 +95,7 @@ std::string folded(std::string_view name) {
 
 bool is_vector_name(std::string_view name) {
   const std::string plain = folded(name);
-  for (const Stems* stems : {&kPosition, &kNormal, &kVelocity, &kColor}) {
+  for (const Stems* stems : {&kPosition, &kNormal, &kVelocity, &kAcceleration, &kAngularVelocity, &kColor}) {
     if (std::find(stems->begin(), stems->end(), plain) != stems->end()) return true;
   }
   return false;

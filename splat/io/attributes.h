@@ -24,10 +24,10 @@ struct Column {
 struct AttributePlan {
   using Triple = std::array<std::size_t, 3>;
   Triple position{};
-  std::optional<Triple> normal, velocity, color;
+  std::optional<Triple> normal, velocity, acceleration, angular_velocity, color;
   std::optional<std::size_t> radius, opacity, alpha;  ///< one of opacity and alpha at most
   std::optional<std::size_t> intensity;               ///< not beside colours
-  std::optional<std::size_t> id;
+  std::optional<std::size_t> id, time;
   bool radius_is_diameter = false;
   /// Gaussian splats: two or three log scales, quaternion w x y z, first spherical harmonic.
   std::vector<std::size_t> log_scale;

@@ -36,7 +36,7 @@ Result<CameraFile> read_folder(const std::string& path, const fs::path& folder) 
         "is read"};
   if (fs::exists(folder / "transforms.json", code))
     return read_json_cameras((folder / "transforms.json").string());
-  return Error{path, "", "has no cameras.txt and images.txt, nor a transforms.json"};
+  return Error{path, "", "has no cameras.txt and images.txt, nor a transforms.json", ErrorKind::not_found};
 }
 
 Result<CameraFile> read_any(const std::string& path, double fps) {
@@ -45,7 +45,7 @@ Result<CameraFile> read_any(const std::string& path, double fps) {
   if (fs::is_directory(file, code)) return read_folder(path, file);
   const std::string name = file.filename().string();
   if (name.ends_with(".txt") || name.ends_with(".bin")) {
-    if (!fs::exists(file, code)) return Error{path, "", "cannot be opened for reading"};
+    if (!fs::exists(file, code)) return Error{path, "", "cannot be opened for reading", ErrorKind::not_found};
     return read_folder(path, file.parent_path());
   }
   if (name.ends_with(".gltf") || name.ends_with(".glb")) return cameras_of_gltf(path, fps);
@@ -79,7 +79,7 @@ Result<CameraFile> read_camera_file(const std::string& path, double fps) {
       const CameraTrack track = parse_camera(JsonNode(file->camera, path), Film());
       if (const Status valid = track.validate(); !valid) throw valid.error();
     } catch (const Error& error) {
-      return Error{path, file->field_of(error.field), error.reason};
+      return Error{path, file->field_of(error.field), error.reason, in_a_file(error.kind)};
     }
     return file;
   });

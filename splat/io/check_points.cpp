@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "splat/io/guarded.h"
 #include "splat/io/point_file.h"
 
 namespace swept {
@@ -68,27 +69,34 @@ Status check_axes(const SurfelPose& pose) {
 }
 
 Status PointSet::validate() const {
-  const std::size_t n = size();
-  if (n == 0) return Error{"", "position", "has no entries: there are no points"};
-  if (Status s = check_positions(position); !s) return s;
-  if (axis_u.empty() != axis_v.empty()) {
-    return Error{"", axis_u.empty() ? "axis_u" : "axis_v", "is missing: a disc has two axes"};
-  }
-  for (const auto& [name, array] : {std::pair{"normal", &normal},
-                                    {"axis_u", &axis_u},
-                                    {"axis_v", &axis_v},
-                                    {"color", &color},
-                                    {"velocity", &velocity}}) {
-    if (Status s = check_vectors(name, *array, n); !s) return s;
-  }
-  if (Status s =
-          check_numbers("radius", radius, n, std::numeric_limits<float>::max(), "must be finite and ≥ 0");
-      !s) {
-    return s;
-  }
-  if (Status s = check_numbers("opacity", opacity, n, 1.0f, "must lie in [0, 1]"); !s) return s;
-  if (!id.empty() && id.size() != n) return wrong_count("id", id.size(), n);
-  return check_triangles(triangle, n);
+  return io::guarded("", [&]() -> Status {
+    const std::size_t n = size();
+    if (n == 0) return Error{"", "position", "has no entries: there are no points"};
+    if (Status s = check_positions(position); !s) return s;
+    if (axis_u.empty() != axis_v.empty()) {
+      return Error{"", axis_u.empty() ? "axis_u" : "axis_v", "is missing: a disc has two axes"};
+    }
+    for (const auto& [name, array] : {std::pair{"normal", &normal},
+                                      {"axis_u", &axis_u},
+                                      {"axis_v", &axis_v},
+                                      {"color", &color},
+                                      {"velocity", &velocity},
+                                      {"acceleration", &acceleration},
+                                      {"angular_velocity", &angular_velocity}}) {
+      if (Status s = check_vectors(name, *array, n); !s) return s;
+    }
+    if (Status s =
+            check_numbers("radius", radius, n, std::numeric_limits<float>::max(), "must be finite and ≥ 0");
+        !s) {
+      return s;
+    }
+    if (Status s = check_numbers("opacity", opacity, n, 1.0f, "must lie in [0, 1]"); !s) return s;
+    if (!time.empty() && time.size() != n) return wrong_count("time", time.size(), n);
+    for (std::size_t i = 0; i < time.size(); ++i)
+      if (!std::isfinite(time[i])) return Error{"", "time[" + std::to_string(i) + "]", "is not finite"};
+    if (!id.empty() && id.size() != n) return wrong_count("id", id.size(), n);
+    return check_triangles(triangle, n);
+  });
 }
 
 }  // namespace swept

@@ -272,7 +272,7 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
 Result<CloudScene> make_scene(const std::string& path, const std::string& folder,
                               const SceneOverrides& overrides) {
   if (overrides.up && (!overrides.up->allFinite() || overrides.up->isZero(0.0)))
-    return Error{path, "up", "the up vector must be finite and not zero"};
+    return Error{path, "up", "the up vector must be finite and not zero", ErrorKind::argument};
   const Result<Sample> sample = sample_of(path, overrides.draw);
   if (!sample) return sample.error();
   std::string file = path;
@@ -296,7 +296,8 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
   const io::Front& front = convention.front;
   const Result<io::Framing> framing =
       io::frame_points(sample->points, reach, front, tan_y * width / height, tan_y);
-  if (!framing) return Error{path, framing.error().field, framing.error().reason};
+  if (!framing)
+    return Error{path, framing.error().field, framing.error().reason, in_a_file(framing.error().kind)};
 
   CloudScene scene;
   scene.text = text_of(*sample, path, folder, *framing, front.up, width, height);

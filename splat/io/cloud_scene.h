@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/io/scene_file.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct CloudScene {
   std::string text;                  ///< of a scene file

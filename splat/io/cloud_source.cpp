@@ -6,47 +6,49 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/io/cloud_keys.h"
+#include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
 #include "splat/io/surfel_estimate.h"
 
 namespace swept {
 namespace {
 
-Error option_error(const std::string& field, const std::string& reason) { return {"", field, reason}; }
-
-Status check_options(const CloudSource& source) {
-  const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
-  if (source.radius && !positive(*source.radius)) {
-    return option_error("radius", "must be positive and finite");
+/// Gives guessed sides the side they have in `reference`: else the disc would turn over between the keys.
+void keep_sides(const SurfelPose& reference, EstimatedSurfels& discs) {
+  for (const std::size_t i : discs.unoriented) {
+    Eigen::Vector3f &u = discs.pose.axis_u[i], &v = discs.pose.axis_v[i];
+    if (u.cross(v).dot(reference.axis_u[i].cross(reference.axis_v[i])) < 0.0f) std::swap(u, v);
   }
-  if (!positive(source.radius_scale)) return option_error("radius_scale", "must be positive and finite");
-  if (source.color && !source.color->allFinite()) return option_error("color", "must be finite");
-  if (source.color_range && !positive(*source.color_range)) {
-    return option_error("color_range", "must be positive and finite");
-  }
-  if (source.fps.numerator < 1 || source.fps.denominator < 1) {
-    return option_error("fps", "must be two numbers ≥ 1");
-  }
-  return Done{};
 }
 
-Status check_files(const CloudSource& source) {
-  if (source.files.empty()) return option_error("files", "names no file");
-  for (std::size_t k = 0; k < source.files.size(); ++k) {
-    if (!std::isfinite(source.files[k].frame) ||
-        (k > 0 && !(source.files[k - 1].frame < source.files[k].frame))) {
-      return Error{source.files[k].path, "frame", "the frames of the files must be finite and increase"};
-    }
-  }
-  if (source.skip_invalid && source.files.size() > 1) {
-    return option_error("skip_invalid",
-                        "cannot be used with several files: dropping points from one "
-                        "would pair the rest with the wrong points of the next");
-  }
-  return Done{};
+void leave_rates(ReadOptions& options) {
+  for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) options.attributes[rate] = "";
 }
 
-/// Discs by the best the set has to offer: its own axes, else its triangles, else its nearest points.
+ReadOptions read_options(const CloudSource& source) {
+  ReadOptions options;
+  options.attributes = source.attributes;
+  options.delta = source.delta;
+  options.skip_invalid = source.skip_invalid;
+  options.color_range = source.color_range;
+  options.color_space = source.color_space;
+  if (source.velocity_unit == VelocityUnit::ignore) leave_rates(options);
+  options.stamps = source.stamps.has_value();
+  return options;
+}
+
+/// Several keys say themselves how the points move.
+ReadOptions key_options(const CloudSource& source) {
+  ReadOptions options = read_options(source);
+  if (source.files.size() > 1) leave_rates(options);
+  return options;
+}
+
+}  // namespace
+
+namespace io {
+
 Result<EstimatedSurfels> discs_of(PointSet& set, const CloudSource& source) {
   if (source.radius) set.radius.assign(set.size(), static_cast<float>(*source.radius));
   Result<EstimatedSurfels> discs = EstimatedSurfels{};
@@ -70,23 +72,86 @@ Result<EstimatedSurfels> discs_of(PointSet& set, const CloudSource& source) {
   return discs;
 }
 
-/// Gives guessed sides the side they have in `reference`: else the disc would turn over between the keys.
-void keep_sides(const SurfelPose& reference, EstimatedSurfels& discs) {
-  for (const std::size_t i : discs.unoriented) {
-    Eigen::Vector3f &u = discs.pose.axis_u[i], &v = discs.pose.axis_v[i];
-    if (u.cross(v).dot(reference.axis_u[i].cross(reference.axis_v[i])) < 0.0f) std::swap(u, v);
-  }
-}
-
-/// Frames times this times a stored velocity is a distance.
 double velocity_scale(const CloudSource& source) {
   if (source.velocity_unit == VelocityUnit::per_frame) return 1.0;
   return static_cast<double>(source.fps.denominator) / static_cast<double>(source.fps.numerator);
 }
 
+void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
+  if (!cloud.keys.empty()) {
+    keep_sides(cloud.keys.back().pose, discs);
+    align_axes(cloud.keys.back().pose, discs.pose);
+  }
+  cloud.keys.push_back({frame, std::move(discs.pose)});
+}
+
+Result<PointSet> read_with_rates(const CloudSource& source, const KeyFile& file) {
+  Result<PointSet> set = read_points(file.path, read_options(source));
+  return set ? std::move(set) : read_points(file.path, key_options(source));
+}
+
+}  // namespace io
+
+namespace {
+
+using io::discs_of;
+using io::KeySpan;
+using io::push_key;
+using io::velocity_scale;
+
+Error option_error(const std::string& field, const std::string& reason) { return {"", field, reason}; }
+
+Status check_options(const CloudSource& source) {
+  const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
+  if (source.radius && !positive(*source.radius)) {
+    return option_error("radius", "must be positive and finite");
+  }
+  if (!positive(source.radius_scale)) return option_error("radius_scale", "must be positive and finite");
+  if (source.color && !source.color->allFinite()) return option_error("color", "must be finite");
+  if (source.color_range && !positive(*source.color_range)) {
+    return option_error("color_range", "must be positive and finite");
+  }
+  if (source.stamps && source.files.size() > 1)
+    return option_error("stamps", "belong to a single file, for points of several have the files' times");
+  if (source.stamps && !std::isfinite(source.stamps->zero))
+    return option_error("stamps", "zero is not finite");
+  if (source.fps.numerator < 1 || source.fps.denominator < 1) {
+    return option_error("fps", "must be two numbers ≥ 1");
+  }
+  return Done{};
+}
+
+Status check_files(const CloudSource& source) {
+  if (source.files.empty()) return option_error("files", "names no file");
+  for (std::size_t k = 0; k < source.files.size(); ++k) {
+    if (!std::isfinite(source.files[k].frame) ||
+        (k > 0 && !(source.files[k - 1].frame < source.files[k].frame))) {
+      return Error{source.files[k].path, "frame", "the frames of the files must be finite and increase"};
+    }
+  }
+  if (source.skip_invalid && source.files.size() > 1) {
+    return option_error("skip_invalid",
+                        "cannot be used with several files: dropping points from one "
+                        "would pair the rest with the wrong points of the next");
+  }
+  return Done{};
+}
+
+/// Rates of change per frame, of which `order` time units are under the line.
+std::vector<Eigen::Vector3f> per_frame(std::vector<Eigen::Vector3f> rates, int order,
+                                       const CloudSource& source) {
+  if (source.velocity_unit == VelocityUnit::per_frame) return rates;
+  const double scale = std::pow(velocity_scale(source), order);
+  for (Eigen::Vector3f& rate : rates) rate = (scale * rate.cast<double>()).cast<float>();
+  return rates;
+}
+
 void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded) {
   if (source.velocity_unit == VelocityUnit::ignore) return;
+  loaded.cloud.acceleration = per_frame(std::move(set.acceleration), 2, source);
+  loaded.cloud.angular_velocity = per_frame(std::move(set.angular_velocity), 1, source);
   if (set.velocity.empty()) {
+    if (loaded.cloud.accelerates() || loaded.cloud.spins()) return;
     if (source.files.size() < 2)
       loaded.report.assumed.push_back("there are no velocities: the points stand still");
     return;
@@ -110,6 +175,10 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   LoadedCloud loaded;
   loaded.report = std::move(set.report);
   loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
+  if (discs.oriented && discs.unoriented.size() < loaded.cloud.size()) {
+    loaded.cloud.oriented.assign(loaded.cloud.size(), 1);
+    for (const std::size_t i : discs.unoriented) loaded.cloud.oriented[i] = 0;
+  }
   loaded.notes = std::move(set.notes);
   loaded.notes.insert(loaded.notes.end(), discs.notes.begin(), discs.notes.end());
   loaded.cloud.color = std::move(set.color);
@@ -127,7 +196,10 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
         color = Eigen::Vector3f::Ones() - color;
   }
   loaded.cloud.opacity = std::move(set.opacity);
+  loaded.triangles = std::move(set.triangle);
   take_velocity(set, source, loaded);
+  if (source.stamps)
+    if (Status s = io::take_stamps(set, source, loaded); !s) return s.error();
   return loaded;
 }
 
@@ -140,26 +212,11 @@ Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& sou
   return first_key(std::move(set), *std::move(discs), frame, source);
 }
 
-ReadOptions read_options(const CloudSource& source) {
-  ReadOptions options;
-  options.attributes = source.attributes;
-  options.delta = source.delta;
-  options.skip_invalid = source.skip_invalid;
-  options.color_range = source.color_range;
-  options.color_space = source.color_space;
-  if (source.velocity_unit == VelocityUnit::ignore) options.attributes["velocity"] = "";
-  return options;
-}
-
-/// Several keys say themselves how the points move.
-ReadOptions key_options(const CloudSource& source) {
-  ReadOptions options = read_options(source);
-  if (source.files.size() > 1) options.attributes["velocity"] = "";
-  return options;
-}
-
 Error in_file(Error error, const std::string& path) {
-  if (error.file.empty()) error.file = path;
+  if (error.file.empty()) {
+    error.file = path;
+    error.kind = in_a_file(error.kind);
+  }
   return error;
 }
 
@@ -171,38 +228,32 @@ Error counts_differ(const std::string& what, const KeyFile& a, std::size_t in_a,
               "velocities"};
 }
 
-/// The files that are read, files[begin] to files[end − 1].
-struct KeySpan {
-  std::size_t begin = 0, end = 0;
-  std::size_t nearest = 0;  ///< to the middle of what is asked for; of two the earlier
-};
-
-KeySpan span_of(const std::vector<KeyFile>& files, double first, double last) {
+KeySpan span_of(const std::vector<KeyFile>& files, double first, double last, KeyPath path) {
   KeySpan span{0, files.size(), 0};
   while (span.begin + 1 < span.end && files[span.begin + 1].frame <= first) ++span.begin;
   while (span.end > span.begin + 1 && files[span.end - 2].frame >= last) --span.end;
+  const std::size_t begin = span.begin, end = span.end;
   const double middle = first + 0.5 * (last - first);
   span.nearest = span.begin;
-  for (std::size_t k = span.begin; k < span.end; ++k) {
+  for (std::size_t k = begin; k < end; ++k) {
     if (std::abs(files[k].frame - middle) < std::abs(files[span.nearest].frame - middle)) span.nearest = k;
+  }
+  // A spline between two keys depends on those beside them; one that is held needs none.
+  if (path == KeyPath::spline && end > begin + 1) {
+    if (span.begin > 0) --span.begin;
+    if (span.end < files.size()) ++span.end;
   }
   return span;
 }
 
-/// Adds a key after those there are, its discs turned to agree with theirs.
-void push_key(EstimatedSurfels discs, double frame, SurfelCloud& cloud) {
-  if (!cloud.keys.empty()) {
-    keep_sides(cloud.keys.back().pose, discs);
-    align_axes(cloud.keys.back().pose, discs.pose);
-  }
-  cloud.keys.push_back({frame, std::move(discs.pose)});
+bool is_rate(const std::string& attribute) {
+  return attribute == "velocity" || attribute == "acceleration" || attribute == "angular_velocity";
 }
 
-/// Velocities apart, which are not always asked for.
+/// Rates apart, which are not always asked for.
 void compare_reports(const ReadReport& other, const KeyFile& file, ReadReport& report) {
   std::vector<ReadReport::Use> a = report.used, b = other.used;
-  for (auto* uses : {&a, &b})
-    std::erase_if(*uses, [](const auto& use) { return use.attribute == "velocity"; });
+  for (auto* uses : {&a, &b}) std::erase_if(*uses, [](const auto& use) { return is_rate(use.attribute); });
   if (a != b) report.assumed.push_back(file.path + " has other attributes than the rest of its sequence");
 }
 
@@ -234,12 +285,6 @@ Result<LoadedCloud> read_in_order(const CloudSource& source, const KeySpan& span
   return loaded;
 }
 
-/// The file nearest to the middle, with velocities if it has any that are good.
-Result<PointSet> read_nearest(const CloudSource& source, const KeyFile& file) {
-  Result<PointSet> set = read_points(file.path, read_options(source));
-  return set ? std::move(set) : read_points(file.path, key_options(source));
-}
-
 void report_match(const MatchedPoints& matched, const KeyFile& reference, const KeyFile& file, bool moves,
                   ReadReport& report) {
   if (matched.missing > 0) {
@@ -254,10 +299,10 @@ void report_match(const MatchedPoints& matched, const KeyFile& reference, const 
 }
 
 /// Keys with ids.
-Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
+Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span, double from, double to) {
   const std::vector<KeyFile>& files = source.files;
   const KeyFile& nearest = files[span.nearest];
-  Result<PointSet> reference = read_nearest(source, nearest);
+  Result<PointSet> reference = io::read_with_rates(source, nearest);
   if (!reference) return reference.error();
   const auto no_ids = [](const KeyFile& file) {
     return Error{file.path, "id",
@@ -267,6 +312,8 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   if (reference->id.empty()) return no_ids(nearest);
   PointSet still = *reference;
   still.velocity.clear();
+  still.acceleration.clear();
+  still.angular_velocity.clear();
   Result<EstimatedSurfels> nearest_discs = discs_of(still, source);
   if (!nearest_discs) return in_file(nearest_discs.error(), nearest.path);
   Result<LoadedCloud> first = first_key(std::move(still), *nearest_discs, nearest.frame, source);
@@ -275,7 +322,7 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
   SurfelCloud& cloud = loaded.cloud;
   cloud.keys.clear();
   loaded.report.assumed.push_back("points of several files are the same by id");
-  bool all_there = true;
+  bool all_there = true, others_too = false;
   for (std::size_t k = span.begin; k < span.end; ++k) {
     if (k == span.nearest) {
       push_key(std::move(*nearest_discs), nearest.frame, cloud);
@@ -288,17 +335,22 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
         match_by_id(*reference, *other, (files[k].frame - nearest.frame) * velocity_scale(source));
     if (!matched) return in_file(matched.error(), files[k].path);
     all_there = all_there && matched->missing == 0;
+    others_too = others_too || matched->extra > 0;
     compare_reports(other->report, files[k], loaded.report);
     report_match(*matched, nearest, files[k], !reference->velocity.empty(), loaded.report);
     Result<EstimatedSurfels> discs = discs_of(matched->set, source);
     if (!discs) return in_file(discs.error(), files[k].path);
     push_key(*std::move(discs), files[k].frame, cloud);
   }
+  if (!all_there || others_too)
+    if (Status lives = io::take_lives(source, span, from, to, loaded); !lives) return lives.error();
   if (all_there) {
     ReadReport& report = loaded.report;
-    const std::vector<std::string> velocity = report.properties_of("velocity");
-    report.unread.insert(report.unread.end(), velocity.begin(), velocity.end());
-    std::erase_if(report.used, [](const auto& use) { return use.attribute == "velocity"; });
+    for (const char* rate : {"velocity", "acceleration", "angular_velocity"}) {
+      const std::vector<std::string> names = report.properties_of(rate);
+      report.unread.insert(report.unread.end(), names.begin(), names.end());
+    }
+    std::erase_if(report.used, [](const auto& use) { return is_rate(use.attribute); });
   }
   return loaded;
 }
@@ -306,62 +358,69 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span) {
 }  // namespace
 
 Status color_by_normals(SurfelCloud& cloud) {
-  if (Status s = cloud.validate(); !s) return s;
-  if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
-  const SurfelPose& pose = cloud.keys.front().pose;
-  cloud.color.resize(pose.size());
-  for (std::size_t i = 0; i < pose.size(); ++i) {
-    // In double, where the product of tiny axes does not underflow.
-    const Eigen::Vector3d normal =
-        pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
-    cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
-  }
-  return Done{};
+  return io::guarded("", [&]() -> Status {
+    if (Status s = cloud.validate(); !s) return s;
+    if (cloud.keys.empty()) return option_error("keys", "the cloud has none");
+    const SurfelPose& pose = cloud.keys.front().pose;
+    cloud.color.resize(pose.size());
+    for (std::size_t i = 0; i < pose.size(); ++i) {
+      // In double, where the product of tiny axes does not underflow.
+      const Eigen::Vector3d normal =
+          pose.axis_u[i].cast<double>().cross(pose.axis_v[i].cast<double>()).normalized();
+      cloud.color[i] = (0.5 * (normal + Eigen::Vector3d::Ones())).cast<float>();
+    }
+    return Done{};
+  });
 }
 
 Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source) {
-  if (Status s = check_options(source); !s) return s.error();
-  if (!std::isfinite(frame)) return option_error("frame", "is not finite");
-  if (Status s = points.validate(); !s) return s.error();
-  Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
-  if (!loaded) return loaded;
-  if (Status s = loaded->cloud.validate(); !s) return s.error();
-  return loaded;
+  return io::guarded("", [&]() -> Result<LoadedCloud> {
+    if (Status s = check_options(source); !s) return s.error();
+    if (!std::isfinite(frame)) return option_error("frame", "is not finite");
+    if (Status s = points.validate(); !s) return s.error();
+    Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
+    if (!loaded) return loaded;
+    if (Status s = loaded->cloud.validate(); !s) return s.error();
+    return loaded;
+  });
 }
 
 Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last) {
-  if (Status s = check_options(source); !s) return s.error();
-  if (Status s = check_files(source); !s) return s.error();
-  if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
+  return io::guarded("", [&]() -> Result<LoadedCloud> {
+    if (Status s = check_options(source); !s) return s.error();
+    if (Status s = check_files(source); !s) return s.error();
+    if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
 
-  const std::vector<KeyFile>& files = source.files;
-  const KeySpan span = span_of(files, first, last);
-  Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
-  if (!set) return set.error();
-  const bool several = span.end > span.begin + 1;
-  std::size_t from = span.begin;
-  Result<LoadedCloud> loaded = LoadedCloud{};
-  if (several && !set->id.empty()) {
-    loaded = read_by_id(source, span);
-    from = span.nearest;
-  } else {
-    loaded = read_in_order(source, span, *std::move(set));
-  }
-  if (!loaded && several && loaded.error().field == "points") {
-    // Particles come and go. One file says how its own move on, if it has velocities.
-    Result<PointSet> alone = read_nearest(source, files[span.nearest]);
-    if (!alone || alone->velocity.empty()) return loaded.error();
-    from = span.nearest;
-    loaded = first_key(*std::move(alone), files[from].frame, source);
-    if (loaded)
-      loaded->report.assumed.push_back(
-          "the numbers of points differ between the files and there are no ids, so those of " +
-          files[from].path + " move along their velocities");
-  }
-  if (!loaded) return in_file(loaded.error(), files[from].path);
-  for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
-  if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
-  return loaded;
+    const std::vector<KeyFile>& files = source.files;
+    const KeySpan span = span_of(files, first, last, source.path);
+    Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
+    if (!set) return set.error();
+    const bool several = span.end > span.begin + 1;
+    std::size_t from = span.begin;
+    Result<LoadedCloud> loaded = LoadedCloud{};
+    if (several && !set->id.empty()) {
+      loaded = read_by_id(source, span, first, last);
+      from = span.nearest;
+    } else {
+      loaded = read_in_order(source, span, *std::move(set));
+    }
+    if (!loaded && several && loaded.error().field == "points") {
+      // Particles come and go. One file says how its own move on, if it has velocities.
+      Result<PointSet> alone = io::read_with_rates(source, files[span.nearest]);
+      if (!alone || (alone->velocity.empty() && alone->acceleration.empty())) return loaded.error();
+      from = span.nearest;
+      loaded = first_key(*std::move(alone), files[from].frame, source);
+      if (loaded)
+        loaded->report.assumed.push_back(
+            "the numbers of points differ between the files and there are no ids, so those of " +
+            files[from].path + " move along their velocities");
+    }
+    if (!loaded) return in_file(loaded.error(), files[from].path);
+    if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
+    for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
+    if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
+    return loaded;
+  });
 }
 
 }  // namespace swept

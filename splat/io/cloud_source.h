@@ -8,15 +8,29 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/point_file.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What a file's velocities are measured in; files do not say.
 enum class VelocityUnit { per_second, per_frame, ignore };
+
+/// What the time stamps of a file's points are measured in.
+enum class StampUnit { seconds, frames };
+
+/// How points of a single file that were each seen at a time of their own are read (model section 7).
+struct TimeStamps {
+  StampUnit unit = StampUnit::seconds;
+  double zero = 0.0;  ///< the stamp of a point that was seen at the file's frame
+  /// Where the sensor was: each point stands where this has it at its own time, and stays there; and turned
+  /// likewise. None: points are in the object's space, and move there by their own rates from their own time
+  /// on.
+  TransformTrack sensor = {};
+};
 
 /// A pose of the cloud and the frame it is for.
 struct KeyFile {
@@ -42,11 +56,14 @@ struct CloudSource {
   std::optional<double> color_range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space
   double delta = 3.0;                     ///< δ of the kernel, for Gaussian files
+  KeyPath path = KeyPath::linear;         ///< of several files
+  std::optional<TimeStamps> stamps;       ///< of a single file
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
+  std::vector<Triangle> triangles;  ///< of meshes, between points of the cloud
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };
@@ -57,13 +74,15 @@ struct LoadedCloud {
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
 /// at or after `last`, and those between. Axes come from the file; else from its triangles; else from the
-/// nearest points. Every key's axes are aligned to those of the key before.
+/// nearest points. Discs are oriented where the first file read has a normal or triangles for them. Every
+/// key's axes are aligned to those of the key before.
 ///
-/// Without ids, colours, opacities and triangles are those of the first file read. With ids, the points are
-/// those of the file nearest to the middle of [first, last] (the earlier of two), and so are colours and
-/// triangles. Where another file lacks one of them it moves along its velocity, or stands still; what that
-/// file has lost is told in the report. If counts differ and there are no ids, the cloud is that nearest file
-/// alone, if it has velocities.
+/// Without ids, colours, opacities and triangles are those of the first file read. With ids, they are those
+/// of the file nearest to the middle of [first, last] (the earlier of two), whose points come first. A point
+/// that not all files have exists from halfway after a file without it until halfway before the next:
+/// lifetimes, if that is within [first, last]; it moves there along its velocity, or stands still, which is
+/// told in the report. If counts differ and there are no ids, the cloud is that nearest file alone, if it has
+/// rates.
 ///
 /// Errors: as read_points, counts that differ between files otherwise, frames that do not increase, options
 /// out of range.

@@ -44,22 +44,23 @@ long long decimal_magnitude(std::string_view number) {
 Result<std::string> read_bytes(const std::string& path) {
   std::error_code code;
   const std::filesystem::file_status status = std::filesystem::status(path, code);
-  if (!std::filesystem::exists(status)) return Error{path, "", "no such file"};
+  if (!std::filesystem::exists(status)) return Error{path, "", "no such file", ErrorKind::not_found};
   // A pipe or a device could go on for ever.
   if (!std::filesystem::is_regular_file(status)) return Error{path, "", "is not a regular file"};
   const std::uintmax_t size = std::filesystem::file_size(path, code);
   std::ifstream file(path, std::ios::binary);
-  if (code || !file) return Error{path, "", "cannot be opened for reading"};
+  if (code || !file) return Error{path, "", "cannot be opened for reading", ErrorKind::not_found};
   // A sparse file may claim any size, and what is asked for beyond the memory there is ends the process.
-  if (size > memory_bytes()) return Error{path, "", "is larger than the memory of this machine"};
+  if (size > memory_bytes())
+    return Error{path, "", "is larger than the memory of this machine", ErrorKind::out_of_memory};
   try {
     std::string bytes(static_cast<std::size_t>(size), '\0');
     file.read(bytes.data(), static_cast<std::streamsize>(size));
     if (static_cast<std::uintmax_t>(file.gcount()) != size)
-      return Error{path, "", "cannot be read to its end"};
+      return Error{path, "", "cannot be read to its end", ErrorKind::device};
     return bytes;
   } catch (const std::bad_alloc&) {
-    return Error{path, "", "does not fit into memory"};
+    return Error{path, "", "does not fit into memory", ErrorKind::out_of_memory};
   }
 }
 

@@ -6,9 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "splat/export.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Errors: no such file, not a regular file, unreadable.
 [[nodiscard]] Result<std::string> read_bytes(const std::string& path);

@@ -9,11 +9,12 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/image.h"
 #include "splat/io/atomic_file.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// What a reader of the file wants to know about how the image came to be. Written to the EXR header as:
 ///

@@ -225,6 +225,8 @@ ReadReport AttributePlan::report(const std::vector<Column>& columns) const {
   use("position", position);
   if (normal) use("normal", *normal);
   if (velocity) use("velocity", *velocity);
+  if (acceleration) use("acceleration", *acceleration);
+  if (angular_velocity) use("angular_velocity", *angular_velocity);
   if (color) use("color", *color);
   if (harmonic) use("color", *harmonic);
   use_one("intensity", intensity);
@@ -236,6 +238,7 @@ ReadReport AttributePlan::report(const std::vector<Column>& columns) const {
     use("rotation", quaternion);
   }
   use_one("id", id);
+  use_one("time", time);
   const std::vector<bool> is_needed = needed(columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (!is_needed[c]) report.unread.push_back(columns[c].name);
@@ -249,10 +252,10 @@ std::vector<bool> AttributePlan::needed(std::size_t count) const {
     for (const std::size_t c : some) is_needed[c] = true;
   };
   mark(position);
-  for (const auto& vector : {normal, velocity, color, harmonic}) {
+  for (const auto& vector : {normal, velocity, acceleration, angular_velocity, color, harmonic}) {
     if (vector) mark(*vector);
   }
-  for (const auto& scalar : {radius, opacity, alpha, intensity, id}) {
+  for (const auto& scalar : {radius, opacity, alpha, intensity, id, time}) {
     if (scalar) is_needed[*scalar] = true;
   }
   mark(log_scale);
@@ -272,6 +275,8 @@ Result<AttributePlan> plan_attributes(const std::string& path, const std::vector
   plan.position = *position;
   plan.normal = triple(found["normal"]);
   plan.velocity = triple(found["velocity"]);
+  plan.acceleration = triple(found["acceleration"]);
+  plan.angular_velocity = triple(found["angular_velocity"]);
   plan.color = triple(found["color"]);
   plan.opacity = single(found["opacity"]);
   plan_alpha(index, options, columns, found["color"], plan);
@@ -285,6 +290,7 @@ Result<AttributePlan> plan_attributes(const std::string& path, const std::vector
   if (!plan.radius) plan.radius_is_diameter = false;
   if (!plan.color && !plan.harmonic) plan.intensity = single(found["intensity"]);
   plan.id = single(found["id"]);
+  if (options.stamps || options.attributes.count("time")) plan.time = single(found["time"]);
   return plan;
 }
 

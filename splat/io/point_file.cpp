@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "splat/io/file_bytes.h"
+#include "splat/io/guarded.h"
 #include "splat/io/read_formats.h"
 
 namespace swept {
@@ -37,24 +38,27 @@ Reader reader_of(const std::string& path) {
 bool is_point_file_name(const std::string& path) { return reader_of(path) != nullptr; }
 
 Result<PointSet> read_points(const std::string& path, const ReadOptions& options) {
-  const Reader read = reader_of(path);
-  if (!read) {
-    return Error{
-        path, "",
-        "its extension is none of .ply .pcd .obj .off, or of text .xyz .txt .asc .csv .pts .xyzn .xyzrgb"};
-  }
-  const Result<std::string> bytes = read_bytes(path);
-  if (!bytes) return bytes.error();
-  // Some write a byte order mark before UTF-8.
-  constexpr std::string_view mark = "\xef\xbb\xbf";
-  std::string_view content = *bytes;
-  if (read != read_pcd && read != read_ply && content.substr(0, mark.size()) == mark)
-    content.remove_prefix(mark.size());
-  try {
-    return read(path, content, options);
-  } catch (const std::bad_alloc&) {
-    return Error{path, "", "its points do not fit into memory"};
-  }
+  return io::guarded(path, [&]() -> Result<PointSet> {
+    const Reader read = reader_of(path);
+    if (!read) {
+      return Error{
+          path, "",
+          "its extension is none of .ply .pcd .obj .off, or of text .xyz .txt .asc .csv .pts .xyzn .xyzrgb",
+          ErrorKind::unsupported};
+    }
+    const Result<std::string> bytes = read_bytes(path);
+    if (!bytes) return bytes.error();
+    // Some write a byte order mark before UTF-8.
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    std::string_view content = *bytes;
+    if (read != read_pcd && read != read_ply && content.substr(0, mark.size()) == mark)
+      content.remove_prefix(mark.size());
+    try {
+      return read(path, content, options);
+    } catch (const std::bad_alloc&) {
+      return Error{path, "", "its points do not fit into memory", ErrorKind::out_of_memory};
+    }
+  });
 }
 
 }  // namespace swept

@@ -13,10 +13,11 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/read_report.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// How stored colours relate to light: linear, or by the sRGB curve.
 enum class ColorSpace { linear, srgb };
@@ -25,9 +26,11 @@ enum class ColorSpace { linear, srgb };
 struct ReadOptions {
   /// Attribute → comma-separated property names of the file, in place of the usual names, of which
   /// splat/io/attribute_names.cpp has the table. The attributes:
-  ///   position, normal, velocity   three properties, or one that holds three numbers
+  ///   position, normal, velocity, acceleration, angular_velocity
+  ///                                three properties, or one that holds three numbers
   ///   color                        three or, with alpha, four
-  ///   radius, width (a diameter), opacity, intensity (a grey where there is no colour), id
+  ///   radius, width (a diameter), opacity, intensity (a grey where there is no colour), id,
+  ///   time                         when a point was seen; read only if `stamps` or its name here asks for it
   /// An empty string leaves the attribute unread. Case does not matter where nothing else fits. Columns of a
   /// text file are named 1, 2, 3, …, besides what its header calls them.
   std::map<std::string, std::string> attributes;
@@ -37,6 +40,7 @@ struct ReadOptions {
   std::optional<double> color_range;
   /// By default linear for reals up to 1, else sRGB. Of intensities, sRGB.
   std::optional<ColorSpace> color_space;
+  bool stamps = false;        ///< read `time` by its usual names
   bool skip_invalid = false;  ///< drop points with NaN or infinite numbers; else they are an error
 };
 
@@ -50,7 +54,9 @@ struct PointSet {
   std::vector<Eigen::Vector3f> color;     ///< linear Rec.709; intensities are greys
   std::vector<float> opacity;             ///< [0, 1]
   std::vector<Eigen::Vector3f> velocity;  ///< as stored: the file does not say per second or per frame
-  std::vector<std::int64_t> id;           ///< names of points, the same in every file of a sequence
+  std::vector<Eigen::Vector3f> acceleration, angular_velocity;  ///< likewise; the latter in radians
+  std::vector<double> time;                                     ///< when each point was seen, as stored
+  std::vector<std::int64_t> id;  ///< names of points, the same in every file of a sequence
   std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
   ReadReport report;                                   ///< what was read, and what was not

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <openexr.h>
 
 #include "splat/io/exr_attributes.h"
+#include "splat/io/guarded.h"
 #include "splat/io/image_file.h"
 
 namespace swept {
@@ -141,7 +143,7 @@ Result<Image> read_whole(const std::string& path) {
   Image image = *std::move(window);
   read_pixels(file, file.header().channels().findChannel("Z") != nullptr, image);
   if (const Status status = image.validate(); !status) {
-    return Error{path, status.error().field, status.error().reason};
+    return Error{path, status.error().field, status.error().reason, in_a_file(status.error().kind)};
   }
   return image;
 }
@@ -149,7 +151,9 @@ Result<Image> read_whole(const std::string& path) {
 Status check_file(const std::string& path, bool with_scanlines) {
   std::error_code problem;
   const std::uintmax_t file_bytes = std::filesystem::file_size(path, problem);
-  if (problem) return Error{path, "", "cannot be read: " + problem.message()};
+  if (problem)
+    return Error{path, "", "cannot be read: " + problem.message(),
+                 problem == std::errc::no_such_file_or_directory ? ErrorKind::not_found : ErrorKind::device};
   if (Status status = check_exr_attributes(path, file_bytes); !status) return status;
   return check_header(path, file_bytes, with_scanlines);
 }
@@ -157,29 +161,37 @@ Status check_file(const std::string& path, bool with_scanlines) {
 }  // namespace
 
 Result<ExrOrigin> read_exr_origin(const std::string& path) {
-  if (const Status status = check_file(path, true); !status) return status.error();
-  try {
-    const Imf::InputFile file(path.c_str(), 0);
-    const auto text = [&](const char* name) {
-      const auto* attribute = file.header().findTypedAttribute<Imf::StringAttribute>(name);
-      return attribute == nullptr ? std::string() : attribute->value();
-    };
-    return ExrOrigin{text("sceneHash"), text("method")};
-  } catch (const std::exception& unreadable) {
-    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
-  }
+  return io::guarded(path, [&]() -> Result<ExrOrigin> {
+    if (const Status status = check_file(path, true); !status) return status.error();
+    try {
+      const Imf::InputFile file(path.c_str(), 0);
+      const auto text = [&](const char* name) {
+        const auto* attribute = file.header().findTypedAttribute<Imf::StringAttribute>(name);
+        return attribute == nullptr ? std::string() : attribute->value();
+      };
+      return ExrOrigin{text("sceneHash"), text("method")};
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& unreadable) {
+      return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+    }
+  });
 }
 
 namespace {
 
 /// `read` on a file whose header makes sense.
 Result<Image> read_checked(const std::string& path, Result<Image> (*read)(const std::string&)) {
-  if (const Status status = check_file(path, false); !status) return status.error();
-  try {
-    return read(path);
-  } catch (const std::exception& unreadable) {
-    return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
-  }
+  return io::guarded(path, [&]() -> Result<Image> {
+    if (const Status status = check_file(path, false); !status) return status.error();
+    try {
+      return read(path);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& unreadable) {
+      return Error{path, "", std::string("not a readable OpenEXR file: ") + unreadable.what()};
+    }
+  });
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "splat/io/point_file.h"
 #include "splat/result.h"
+#include "splat/surfel.h"
 
 namespace swept {
 
@@ -21,8 +22,6 @@ namespace swept {
                                         const ReadOptions& options);
 [[nodiscard]] Result<PointSet> read_off(const std::string& path, std::string_view bytes,
                                         const ReadOptions& options);
-
-using Triangle = std::array<std::uint32_t, 3>;
 
 /// Cuts a polygon into the fan of its first corner. Fewer than three corners: none.
 void add_fan(const std::vector<std::uint32_t>& polygon, std::vector<Triangle>& triangles);

@@ -96,7 +96,8 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
   const std::vector<std::string> further = further_names(mesh, unread, assumed);
   if (const auto normals = others.find("vn");
       mesh.triangles.empty() && normals != others.end() && normals->second == mesh.vertex_count()) {
-    if (const Status s = add_normals(bytes, mesh); !s) return Error{path, s.error().field, s.error().reason};
+    if (const Status s = add_normals(bytes, mesh); !s)
+      return Error{path, s.error().field, s.error().reason, in_a_file(s.error().kind)};
     assumed.push_back("there is a vn for each v, and no face: they are the points' normals");
     others.erase(normals);
   }

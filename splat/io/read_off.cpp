@@ -84,7 +84,7 @@ Result<PointSet> read_off(const std::string& path, std::string_view bytes, const
     return Error{path, "header", "does not start with OFF, COFF, NOFF or CNOFF"};
   }
   token = glued.empty() ? lines.next_token() : glued;
-  if (token == "BINARY") return Error{path, "header", "binary OFF is not supported"};
+  if (token == "BINARY") return Error{path, "header", "binary OFF is not supported", ErrorKind::unsupported};
   if (token.empty() && lines.next_line()) token = lines.next_token();
   const auto vertices = parse_integer(token), faces = parse_integer(lines.next_token());
   if (!vertices || !faces || *vertices < 0 || *faces < 0) {

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// Of one file. Points, colours and so on stand in the PointSet; this says where they came from.
 struct ReadReport {

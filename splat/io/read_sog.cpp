@@ -154,7 +154,8 @@ class Reader {
     if (q[3] < first_kind)
       throw Error{path_, "quats",
                   "splat " + std::to_string(i) + " has a rotation of kind " + std::to_string(q[3]) +
-                      "; 252 to 255 are known"};
+                      "; 252 to 255 are known",
+                  ErrorKind::unsupported};
     const Eigen::Vector3d three = (Eigen::Vector3d(q[0], q[1], q[2]) / 255.0).array() - 0.5;
     row.rotation = with_largest(three * std::numbers::sqrt2, q[3] - first_kind);
     if (degree_ > 0) add_harmonics(i, row);

@@ -73,7 +73,8 @@ class Layout {
         std::find_if(first.begin(), first.end(), [&](const char* n) { return index_.contains(n); });
     if (found == first.end()) return Done{};
     if (!options.motion)
-      return Error{path, *found, "splats of SpacetimeGaussians, which move by themselves, are not read here"};
+      return Error{path, *found, "splats of SpacetimeGaussians, which move by themselves, are not read here",
+                   ErrorKind::unsupported};
     // Its full model has a network that makes the colours, in another file.
     for (const char* name : {"f_dc_3", "f_t_0", "f_rest_0"})
       if (index_.contains(name))

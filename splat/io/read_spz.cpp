@@ -85,18 +85,22 @@ Result<Header> header_of(const std::string& path, std::string_view bytes) {
   Header header;
   header.version = load<std::uint32_t>(bytes, 4);
   if (header.version < 1 || header.version > 4)
-    return Error{path, "version", "is " + std::to_string(header.version) + "; 1 to 4 are known"};
+    return Error{path, "version", "is " + std::to_string(header.version) + "; 1 to 4 are known",
+                 ErrorKind::unsupported};
   header.count = load<std::uint32_t>(bytes, 8);
   header.degree = byte_at(bytes, 12);
   header.fractional_bits = byte_at(bytes, 13);
   header.flags = byte_at(bytes, 14);
   if (header.count == 0) return Error{path, "", "has no splats"};
   if (header.degree > 4)
-    return Error{path, "shDegree", "is " + std::to_string(header.degree) + "; 0 to 4 are known"};
+    return Error{path, "shDegree", "is " + std::to_string(header.degree) + "; 0 to 4 are known",
+                 ErrorKind::unsupported};
   if (header.flags & flag_levels)
-    return Error{path, "flags", "levels of detail, as Spark writes them, are not known"};
+    return Error{path, "flags", "levels of detail, as Spark writes them, are not known",
+                 ErrorKind::unsupported};
   if (header.flags & ~(flag_antialiased | flag_extensions))
-    return Error{path, "flags", "are " + std::to_string(header.flags) + ", of which only 1 and 2 are known"};
+    return Error{path, "flags", "are " + std::to_string(header.flags) + ", of which only 1 and 2 are known",
+                 ErrorKind::unsupported};
   return header;
 }
 
@@ -272,7 +276,8 @@ Result<LoadedSplats> read_spz(const std::string& path, std::string_view bytes,
     if (!header) return header.error();
     header->up_and_back = options.spz_axes == SpzAxes::right_up_back;
     header->unread_extensions = (header->flags & flag_extensions) != 0;
-    if (header->version > 3) return Error{path, "version", "is 4, which is not packed by gzip"};
+    if (header->version > 3)
+      return Error{path, "version", "is 4, which is not packed by gzip", ErrorKind::unsupported};
     const Result<Streams> in = unpack_gzip(path, *header, bytes.size(), gzip);
     if (!in) return in.error();
     return splats_of(path, *header, *in, options);
@@ -280,7 +285,8 @@ Result<LoadedSplats> read_spz(const std::string& path, std::string_view bytes,
   Result<Header> header = header_of(path, bytes);
   if (!header) return header.error();
   if (header->version < 4)
-    return Error{path, "version", "is " + std::to_string(header->version) + ", which is packed by gzip"};
+    return Error{path, "version", "is " + std::to_string(header->version) + ", which is packed by gzip",
+                 ErrorKind::unsupported};
   const Result<Streams> in = unpack_zstd_streams(path, *header, bytes);
   if (!in) return in.error();
   if (options.spz_axes != SpzAxes::automatic)

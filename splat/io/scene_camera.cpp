@@ -55,6 +55,29 @@ std::optional<View> parse_view(const JsonNode& node, const Film& film) {
   return std::nullopt;
 }
 
+/// Of "lens", the opening; its "focus" is each key's that has none of its own.
+Aperture parse_aperture(const JsonNode& node) {
+  node.expect_keys({"aperture", "f_number", "focal_length", "focus", "blades", "rotation", "samples"});
+  Aperture aperture;
+  const auto diameter = node.find("aperture"), number = node.find("f_number"),
+             focal = node.find("focal_length");
+  if (diameter.has_value() == number.has_value())
+    node.fail("a lens has either \"aperture\", its diameter, or \"f_number\" with \"focal_length\"");
+  if (diameter) {
+    if (focal) focal->fail("goes with \"f_number\"");
+    if (!((aperture.radius = 0.5 * diameter->number()) >= 0.0)) diameter->fail("must be 0 or more");
+  } else {
+    if (!focal) number->fail("goes with \"focal_length\", in world units");
+    aperture.radius = 0.5 * focal->positive() / number->positive();
+  }
+  if (const auto blades = node.find("blades")) aperture.blades = static_cast<int>(blades->integer(3, 64));
+  if (const auto rotation = node.find("rotation"))
+    aperture.rotation_radians = rotation->number() * std::numbers::pi / 180.0;
+  if (const auto samples = node.find("samples"))
+    aperture.samples = static_cast<int>(samples->integer(1, 4096));
+  return aperture;
+}
+
 LookAtKey parse_look_at(const JsonNode& node) {
   LookAtKey key;
   key.eye = node.require("eye").vector3();
@@ -110,9 +133,15 @@ double parse_key_frame(const JsonNode& key, std::size_t i, std::size_t count, do
 }
 
 CameraTrack parse_camera(const JsonNode& node, const Film& film) {
-  node.expect_keys({"fov", "intrinsics", "near", "keys", "convention"});
+  node.expect_keys({"fov", "intrinsics", "near", "lens", "keys", "convention"});
   CameraTrack camera;
   if (const auto near = node.find("near")) camera.near = near->positive();
+  const auto lens = node.find("lens");
+  std::optional<double> common_focus;
+  if (lens) {
+    camera.aperture = parse_aperture(*lens);
+    if (const auto focus = lens->find("focus")) common_focus = focus->positive();
+  }
   bool opengl = true;
   if (const auto convention = node.find("convention")) opengl = convention->one_of({"opengl", "opencv"}) == 0;
   const std::optional<View> common_view = parse_view(node, film);
@@ -124,14 +153,22 @@ CameraTrack parse_camera(const JsonNode& node, const Film& film) {
   double previous = 0.0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const JsonNode& key = keys[i];
-    key.expect_keys({"frame", "eye", "target", "up", "roll", "matrix", "fov", "intrinsics"});
+    key.expect_keys({"frame", "eye", "target", "up", "roll", "matrix", "fov", "intrinsics", "focus"});
     if (key.find("matrix").has_value() != matrices)
       key.fail("the keys of a camera must be all look-ats or all matrices");
     previous = parse_key_frame(key, i, keys.size(), previous);
     const std::optional<View> own_view = parse_view(key, film);
     if (!own_view && !common_view)
       key.fail("no field of view: neither the key nor the camera has \"fov\" or \"intrinsics\"");
-    const View& view = own_view ? *own_view : *common_view;
+    View view = own_view ? *own_view : *common_view;
+    const auto own_focus = key.find("focus");
+    if (own_focus && !lens) own_focus->fail("goes with a \"lens\" of the camera");
+    if (own_focus)
+      view.lens.focus = own_focus->positive();
+    else if (common_focus)
+      view.lens.focus = *common_focus;
+    else if (lens && matrices)
+      key.fail("a lens needs \"focus\", the distance that is in focus, in the key or in the lens");
     if (matrices) {
       for (const char* look_at : {"eye", "target", "up", "roll"})
         if (const auto member = key.find(look_at)) member->fail("a key with a matrix has no look-at");
@@ -143,6 +180,9 @@ CameraTrack parse_camera(const JsonNode& node, const Film& film) {
       camera.look_ats.push_back(parse_look_at(key));
       camera.look_ats.back().frame = previous;
       camera.look_ats.back().tan_half_fov_y = view.tan_half_fov_y;
+      // What a camera looks at is what it is focused on.
+      if (lens && view.lens.focus == 0.0)
+        view.lens.focus = (camera.look_ats.back().target - camera.look_ats.back().eye).norm();
       camera.look_ats.back().lens = view.lens;
     }
   }

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "splat/io/guarded.h"
 #include "splat/io/json_text.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/scene_splats.h"
@@ -16,7 +17,11 @@ namespace {
 
 /// Attributes that a generator does not know about.
 Status apply_overrides(const ObjectSource& source, SurfelCloud& cloud) {
-  if (source.velocity == VelocityUnit::ignore) cloud.velocity.clear();
+  if (source.velocity == VelocityUnit::ignore) {
+    cloud.velocity.clear();
+    cloud.acceleration.clear();
+    cloud.angular_velocity.clear();
+  }
   if (source.color) cloud.color.assign(cloud.size(), *source.color);
   if (source.color_by_normals) {
     if (Status s = color_by_normals(cloud); !s) return s;
@@ -44,7 +49,7 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (const Status valid = cloud->validate(); !valid) return valid.error();
   if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}, {}};
+  return LoadedCloud{std::move(*cloud), {}, {}, {}};
 }
 
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
@@ -57,6 +62,8 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.color_by_normals = source.color_by_normals;
   cloud.normals_toward = source.normals_toward;
   cloud.delta = scene.model.delta;
+  cloud.path = scene.motion.path;
+  cloud.stamps = source.stamps;
   return cloud;
 }
 
@@ -69,19 +76,22 @@ SceneFile::~SceneFile() = default;
 
 Error SceneFile::source_error(const ObjectSource& source, const Error& error) const {
   const std::string member = error.field.empty() ? "" : '/' + error.field;
-  return {path_, source.pointer + "/source" + member, error.reason};
+  return {path_, source.pointer + "/source" + member, error.reason, in_a_file(error.kind)};
 }
 
 Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator& generator) const {
   const std::string pointer = source.pointer + "/source";
   if (const auto* points = std::get_if<GeneratorSource>(&source.points)) {
     Result<LoadedCloud> loaded = generate_cloud(*points, source, points_scale_, generator);
-    if (!loaded) return Error{path_, io::join_pointer(pointer, loaded.error().field), loaded.error().reason};
+    if (!loaded)
+      return Error{path_, io::join_pointer(pointer, loaded.error().field), loaded.error().reason,
+                   in_a_file(loaded.error().kind)};
     return loaded;
   }
   CloudSource cloud = cloud_source(source, scene_);
-  double first = scene_.frame + scene_.shutter.open, last = scene_.frame + scene_.shutter.close;
-  Result<io::SourceFiles> files = io::source_files(source, first, last);
+  const Exposure all = scene_.exposure().of_all_rows(scene_.film.height);
+  double first = all.open, last = all.close;
+  Result<io::SourceFiles> files = io::source_files(source, scene_);
   if (!files) return source_error(source, files.error());
   cloud.files = std::move(files->files);
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
@@ -99,7 +109,8 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   }
   Result<LoadedCloud> loaded = read_cloud(cloud, first, last);
   if (!loaded && loaded.error().file.empty())
-    return Error{path_, pointer, Error{"", loaded.error().field, loaded.error().reason}.message()};
+    return Error{path_, pointer, Error{"", loaded.error().field, loaded.error().reason}.message(),
+                 in_a_file(loaded.error().kind)};
   if (loaded && !files->note.empty()) loaded->notes.push_back(files->note);
   return loaded;
 }
@@ -113,11 +124,15 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
     notes = std::move(lines);
     for (std::string& line : report.lines()) notes.push_back(std::move(line));
   };
+  if (source.draw == DrawAs::triangles && (source.radius || source.radius_scale != 1.0))
+    return Error{path_, source.pointer + (source.radius ? "/radius" : "/radius_scale"),
+                 "means nothing to triangles, which have no discs"};
   if (io::draws_splats(source)) {
     Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_.fps);
     if (!loaded)
       return loaded.error().file.empty()
-                 ? Error{path_, io::join_pointer(source.pointer, loaded.error().field), loaded.error().reason}
+                 ? Error{path_, io::join_pointer(source.pointer, loaded.error().field), loaded.error().reason,
+                         in_a_file(loaded.error().kind)}
                  : loaded.error();
     scene_.objects[i].splats = std::move(loaded->splats);
     note(std::move(loaded->notes), loaded->report);
@@ -125,33 +140,43 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   }
   Result<LoadedCloud> loaded = load(source, generator);
   if (!loaded) return loaded.error();
+  if (source.sideless) loaded->cloud.oriented.clear();
   scene_.objects[i].cloud = std::move(loaded->cloud);
+  if (source.draw == DrawAs::triangles) {
+    if (loaded->triangles.empty())
+      return Error{path_, source.pointer + "/draw", "the source holds no triangles to draw"};
+    scene_.objects[i].triangles = std::move(loaded->triangles);
+  }
   note(std::move(loaded->notes), loaded->report);
   return Done{};
 }
 
 Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generator) {
-  if (!(std::abs(frame) <= most_frame))
-    return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
-  scene_.frame = frame;
-  clouds_->objects.resize(sources_.size());
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    Clouds::State& state = clouds_->objects[i];
-    if (state.keep) continue;
-    // Before the next one is read, so that two never share the memory.
-    scene_.objects[i].cloud = {};
-    scene_.objects[i].splats = {};
-    state.notes.clear();
-    try {
-      if (const Status status = load_object(i, generator); !status) return status.error();
-      state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
-    } catch (const std::bad_alloc&) {
-      return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points"};
-    } catch (const std::exception& exception) {
-      return Error{path_, sources_[i].pointer + "/source", exception.what()};
+  return io::guarded(path_, [&]() -> Result<const Scene*> {
+    if (!(std::abs(frame) <= most_frame))
+      return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
+    scene_.frame = frame;
+    clouds_->objects.resize(sources_.size());
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      Clouds::State& state = clouds_->objects[i];
+      if (state.keep) continue;
+      // Before the next one is read, so that two never share the memory.
+      scene_.objects[i].cloud = {};
+      scene_.objects[i].triangles = {};
+      scene_.objects[i].splats = {};
+      state.notes.clear();
+      try {
+        if (const Status status = load_object(i, generator); !status) return status.error();
+        state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
+      } catch (const std::bad_alloc&) {
+        return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points",
+                     ErrorKind::out_of_memory};
+      } catch (const std::exception& exception) {
+        return Error{path_, sources_[i].pointer + "/source", exception.what()};
+      }
     }
-  }
-  return &std::as_const(scene_);
+    return &std::as_const(scene_);
+  });
 }
 
 std::vector<std::string> SceneFile::notes() const {

@@ -28,7 +28,7 @@ std::vector<double> values_of(const Field& field, const JsonNode& node) {
   if (!field.words.empty()) return {static_cast<double>(node.one_of(field.words))};
   std::vector<double> values = field.numbers.size() > 1 ? list_of(field, node) : std::vector{node.number()};
   if (const Status legal = field.legal(values); !legal)
-    throw Error{node.file(), legal.error().field, legal.error().reason};
+    throw Error{node.file(), legal.error().field, legal.error().reason, in_a_file(legal.error().kind)};
   return values;
 }
 

@@ -25,31 +25,36 @@ Result<std::string> read_text(const std::string& path) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) return Error{path, "", "is a folder, not a scene file"};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{path, "", "cannot open the scene file"};
+  if (!file) return Error{path, "", "cannot open the scene file", ErrorKind::not_found};
   std::string text;
   std::array<char, 1 << 16> block;
   while (file.read(block.data(), block.size()), file.gcount() > 0) {
     text.append(block.data(), static_cast<std::size_t>(file.gcount()));
     if (text.size() > max_bytes) return Error{path, "", "too large for a scene file (256 MiB at most)"};
   }
-  if (file.bad()) return Error{path, "", "cannot read the scene file"};
+  if (file.bad()) return Error{path, "", "cannot read the scene file", ErrorKind::device};
   return text;
 }
 
 void override_fields(const FieldValues& values, const std::string& path, Scene& scene) {
   for (const auto& [pointer, numbers] : values) {
     const Field* field = find_field(pointer);
-    if (field == nullptr) throw Error{path, pointer, "there is no such field to override"};
+    if (field == nullptr)
+      throw Error{path, pointer, "there is no such field to override", ErrorKind::argument};
     if (const Status legal = field->legal(numbers); !legal)
-      throw Error{path, legal.error().field, legal.error().reason};
+      throw Error{path, legal.error().field, legal.error().reason, legal.error().kind};
     field->set(scene, numbers);
   }
+}
+
+const char* name_of(DrawAs draw) {
+  return draw == DrawAs::splats ? "splats" : draw == DrawAs::surfels ? "surfels" : "triangles";
 }
 
 /// What the file and the overrides lead to, whatever of it is spelt out in the file.
 std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
-  if (overrides.draw) text.push_back(*overrides.draw == DrawAs::splats ? "splats" : "surfels");
+  if (overrides.draw) text.push_back(name_of(*overrides.draw));
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
   return text.dump();
@@ -127,8 +132,8 @@ bool draws_gltf(const nlohmann::json& document) {
   });
 }
 
-/// Puts the camera of a file in place of the scene's, whose near plane stays. What the scene has of a film
-/// stays too.
+/// Puts the camera of a file in place of the scene's, whose near plane and lens stay. What the scene has of a
+/// film stays too.
 void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
                     std::vector<std::string>& notes) {
   const double fps = document.is_object() ? rate_of(overrides, document) : 24.0;
@@ -136,9 +141,9 @@ void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
   if (!file) throw file.error();
   if (document.is_object()) {
     if (file->gltf_axes && draws_gltf(document)) turn_to_splats(file->camera);
-    if (const auto old = document.find("camera");
-        old != document.end() && old->is_object() && old->contains("near"))
-      file->camera["near"] = (*old)["near"];
+    if (const auto old = document.find("camera"); old != document.end() && old->is_object())
+      for (const char* own : {"near", "lens"})
+        if (old->contains(own)) file->camera[own] = (*old)[own];
     document["camera"] = std::move(file->camera);
   }
   notes.insert(notes.end(), file->notes.begin(), file->notes.end());
@@ -166,13 +171,15 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
     parse_scene(JsonNode(*document, path), std::filesystem::path(path).parent_path().string(), overrides,
                 file.scene_, file.sources_);
     if (!(overrides.points_scale > 0.0) || !std::isfinite(overrides.points_scale))
-      return Error{path, "points_scale", "must be a finite number above 0"};
+      return Error{path, "points_scale", "must be a finite number above 0", ErrorKind::argument};
     file.points_scale_ = overrides.points_scale;
     if (overrides.draw)
       for (ObjectSource& source : file.sources_)
-        if (std::holds_alternative<FileSource>(source.points)) source.draw = overrides.draw;
+        if (std::holds_alternative<FileSource>(source.points) ||
+            (overrides.draw != DrawAs::splats && std::holds_alternative<SequenceSource>(source.points)))
+          source.draw = overrides.draw;
     if (const Status valid = file.scene_.validate(); !valid)
-      return Error{path, valid.error().field, valid.error().reason};
+      return Error{path, valid.error().field, valid.error().reason, in_a_file(valid.error().kind)};
     document->erase("$schema");
     file.canonical_ = document->dump() + '\n' + canonical(file.scene_, overrides);
     return file;

@@ -14,12 +14,13 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/fields.h"
 #include "splat/io/cloud_source.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Makes the cloud of {"generator": shape, "points": points, <parameter>: <number>}, velocities per frame.
 /// The error's field is the member at fault.
@@ -61,20 +62,22 @@ struct SequenceSource {
   StoredColor stored;
 };
 
-/// As what the Gaussian splats of a file are drawn.
-enum class DrawAs { splats, surfels };
+/// As what a file's splats, points or meshes are drawn.
+enum class DrawAs { splats, surfels, triangles };
 
 /// Where an object's points come from, and what is done to them before they are rendered.
 struct ObjectSource {
   std::variant<GeneratorSource, FileSource, SequenceSource> points;
   std::string pointer;  ///< JSON pointer of the object, for messages
-  /// Of a single file; without it, splats where the file holds trained ones.
+  /// Without it, splats where a single file holds trained ones, else surfels.
   std::optional<DrawAs> draw;
   VelocityUnit velocity = VelocityUnit::per_second;
+  std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
   bool color_by_normals = false;                              ///< the same, from each disc's normal
   Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
-  std::optional<double> radius;                               ///< object units; discs become round
+  bool sideless = false;         ///< normals may point either way: no disc is oriented
+  std::optional<double> radius;  ///< object units; discs become round
   double radius_scale = 1.0;
 };
 
@@ -83,7 +86,7 @@ struct SceneOverrides {
   /// By the pointers of splat/fields.h, as in {"/film/width", {640}}. "/image/segments" is for all objects,
   /// those that name their own included.
   FieldValues fields;
-  std::optional<DrawAs> draw;  ///< of all objects that have files of trained splats
+  std::optional<DrawAs> draw;  ///< of all objects that have files
   double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;

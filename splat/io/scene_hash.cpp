@@ -25,13 +25,13 @@ Result<std::string> hash_file(const std::string& path) {
   // A pipe would be empty for who reads it next, and a device could go on for ever.
   if (!std::filesystem::is_regular_file(path, code)) return Error{path, "", "is not a regular file"};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{path, "", "cannot be opened for reading"};
+  if (!file) return Error{path, "", "cannot be opened for reading", ErrorKind::not_found};
   ContentHash hash;
   hash.add_part(std::to_string(std::filesystem::file_size(path, code)));
   std::vector<char> block(std::size_t{1} << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
     hash.add({block.data(), static_cast<std::size_t>(file.gcount())});
-  if (file.bad()) return Error{path, "", "cannot be read to its end"};
+  if (file.bad()) return Error{path, "", "cannot be read to its end", ErrorKind::device};
   return hash.text();
 }
 
@@ -47,9 +47,13 @@ Result<std::string> SceneFile::hash_of(double frame) const {
   io::ContentHash hash;
   hash.add_part(canonical_);
   hash.add_part(shortest_text(frame));
+  Scene at_frame;
+  at_frame.frame = frame;
+  at_frame.film = scene_.film;
+  at_frame.shutter = scene_.shutter;
+  at_frame.motion = scene_.motion;
   for (const ObjectSource& source : sources_) {
-    const Result<io::SourceFiles> files =
-        io::source_files(source, frame + scene_.shutter.open, frame + scene_.shutter.close);
+    const Result<io::SourceFiles> files = io::source_files(source, at_frame);
     if (!files) return source_error(source, files.error());
     for (const KeyFile& key : files->files) {
       // A file that is shown at many frames is read once.

@@ -159,11 +159,21 @@ VelocityUnit parse_velocity(const JsonNode& node, bool generated) {
   return value;
 }
 
+TimeStamps parse_stamps(const JsonNode& node) {
+  node.expect_keys({"unit", "zero", "sensor"});
+  TimeStamps stamps;
+  if (const auto unit = node.find("unit"))
+    stamps.unit = static_cast<StampUnit>(unit->one_of({"seconds", "frames"}));
+  if (const auto zero = node.find("zero")) stamps.zero = zero->number();
+  if (const auto sensor = node.find("sensor")) stamps.sensor = parse_transform(*sensor);
+  return stamps;
+}
+
 }  // namespace
 
 ParsedObject parse_object(const JsonNode& node, const std::string& folder, double default_frame) {
   node.expect_keys({"name", "source", "velocity", "transform", "color", "radius", "radius_scale", "facing",
-                    "segments", "draw"});
+                    "segments", "draw", "stamps"});
   ParsedObject parsed;
   Object& object = parsed.object;
   ObjectSource& source = parsed.source;
@@ -199,11 +209,19 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   }
   if (const auto radius = node.find("radius")) source.radius = radius->positive();
   if (const auto scale = node.find("radius_scale")) source.radius_scale = scale->positive();
-  if (const auto facing = node.find("facing"))
-    object.two_sided = facing->one_of({"two_sided", "one_sided"}) == 0;
+  if (const auto facing = node.find("facing")) {
+    const auto which = facing->one_of({"two_sided", "one_sided", "sideless"});
+    object.two_sided = which != 1;
+    source.sideless = which == 2;
+  }
   if (const auto draw = node.find("draw")) {
-    if (!file) draw->fail("goes with a single \"file\"");
-    source.draw = draw->one_of({"splats", "surfels"}) == 0 ? DrawAs::splats : DrawAs::surfels;
+    source.draw = static_cast<DrawAs>(draw->one_of({"splats", "surfels", "triangles"}));
+    if (generator) draw->fail("goes with files");
+    if (source.draw == DrawAs::splats && !file) draw->fail("goes with a single \"file\"");
+  }
+  if (const auto stamps = node.find("stamps")) {
+    if (!file) stamps->fail("goes with a single \"file\"");
+    source.stamps = parse_stamps(*stamps);
   }
   if (const auto segments = node.find("segments"))
     object.segments = static_cast<int>(segments->integer(1, 4096));

@@ -13,9 +13,10 @@ std::string disc_member(const ObjectSource& source, const Object& object) {
   if (source.color || source.color_by_normals) return "color";
   if (source.radius) return "radius";
   if (source.radius_scale != 1.0) return "radius_scale";
-  if (!object.two_sided) return "facing";
+  if (!object.two_sided || source.sideless) return "facing";
   if (!file.attributes.empty()) return "source/attributes";
   if (!file.end_path.empty()) return "source/end_file";
+  if (source.stamps) return "stamps";
   if (file.stored.range) return "source/color_range";
   if (file.stored.space) return "source/color_space";
   return {};
@@ -25,7 +26,7 @@ std::string disc_member(const ObjectSource& source, const Object& object) {
 
 bool draws_splats(const ObjectSource& source) {
   const auto* file = std::get_if<FileSource>(&source.points);
-  if (file == nullptr || source.draw == DrawAs::surfels) return false;
+  if (file == nullptr || (source.draw && source.draw != DrawAs::splats)) return false;
   return source.draw == DrawAs::splats || holds_splats(file->path);
 }
 

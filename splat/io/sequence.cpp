@@ -1,4 +1,5 @@
 #include "splat/io/sequence.h"
+#include "splat/io/guarded.h"
 
 #include <algorithm>
 #include <charconv>
@@ -67,14 +68,15 @@ Result<Pattern> parse_pattern(const std::string& text) {
   for (std::size_t i = name; i < text.size(); ++i) {
     const std::optional<Placeholder> found = placeholder_at(text, i);
     if (!found) continue;
-    if (pattern) return Error{text, "pattern", "has more than one placeholder"};
+    if (pattern) return Error{text, "pattern", "has more than one placeholder", ErrorKind::argument};
     pattern = Pattern{text.substr(0, i), text.substr(found->end), found->digits};
     i = found->end - 1;
   }
   if (!pattern)
-    return Error{text, "pattern", "needs one placeholder for the number, such as ####, %04d or $F4"};
+    return Error{text, "pattern", "needs one placeholder for the number, such as ####, %04d or $F4",
+                 ErrorKind::argument};
   if (pattern->digits < 1 || pattern->digits > kMostDigits)
-    return Error{text, "pattern", "asks for fewer than 1 or more than 32 digits"};
+    return Error{text, "pattern", "asks for fewer than 1 or more than 32 digits", ErrorKind::argument};
   return *pattern;
 }
 
@@ -144,42 +146,44 @@ Result<std::string> sequence_path(const std::string& pattern, int number) {
 }
 
 Result<std::vector<NumberedFile>> list_sequence(const std::string& pattern) {
-  const Result<Pattern> parsed = parse_pattern(pattern);
-  if (!parsed) return parsed.error();
-  const std::size_t slash = parsed->before.find_last_of('/');
-  const std::string folder = slash == std::string::npos ? "" : parsed->before.substr(0, slash + 1);
-  const std::string before = parsed->before.substr(folder.size());
+  return io::guarded(pattern, [&]() -> Result<std::vector<NumberedFile>> {
+    const Result<Pattern> parsed = parse_pattern(pattern);
+    if (!parsed) return parsed.error();
+    const std::size_t slash = parsed->before.find_last_of('/');
+    const std::string folder = slash == std::string::npos ? "" : parsed->before.substr(0, slash + 1);
+    const std::string before = parsed->before.substr(folder.size());
 
-  std::vector<NumberedFile> files;
-  std::error_code code;
-  std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, code);
-  if (code) return Error{pattern, "", "its folder cannot be read"};
-  for (; entry != std::filesystem::directory_iterator(); entry.increment(code)) {
-    const std::string name = entry->path().filename().string();
-    if (name.size() <= before.size() + parsed->after.size() || name.compare(0, before.size(), before) != 0)
-      continue;
-    std::string_view middle(name);
-    middle.remove_prefix(before.size());
-    if (middle.substr(middle.size() - parsed->after.size()) != parsed->after) continue;
-    middle.remove_suffix(parsed->after.size());
-    const auto number = take_number(middle);
-    // Only names that the pattern itself would give: 7 and 0007 are not the same file.
-    if (!number || !middle.empty()) continue;
-    const std::string path = folder + name;
-    if (fill(*parsed, *number) != path && fill_beside_sign(*parsed, *number) != path) continue;
-    files.push_back({*number, path});
-  }
-  if (code) return Error{pattern, "", "its folder cannot be read"};
-  if (files.empty()) return Error{pattern, "", "no such file"};
-  std::sort(files.begin(), files.end(),
-            [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
-  const auto same = std::adjacent_find(files.begin(), files.end(),
-                                       [](const auto& a, const auto& b) { return a.number == b.number; });
-  if (same != files.end())
-    return Error{
-        pattern, "",
-        "both " + same->path + " and " + (same + 1)->path + " are its file " + std::to_string(same->number)};
-  return files;
+    std::vector<NumberedFile> files;
+    std::error_code code;
+    std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, code);
+    if (code) return Error{pattern, "", "its folder cannot be read", ErrorKind::not_found};
+    for (; entry != std::filesystem::directory_iterator(); entry.increment(code)) {
+      const std::string name = entry->path().filename().string();
+      if (name.size() <= before.size() + parsed->after.size() || name.compare(0, before.size(), before) != 0)
+        continue;
+      std::string_view middle(name);
+      middle.remove_prefix(before.size());
+      if (middle.substr(middle.size() - parsed->after.size()) != parsed->after) continue;
+      middle.remove_suffix(parsed->after.size());
+      const auto number = take_number(middle);
+      // Only names that the pattern itself would give: 7 and 0007 are not the same file.
+      if (!number || !middle.empty()) continue;
+      const std::string path = folder + name;
+      if (fill(*parsed, *number) != path && fill_beside_sign(*parsed, *number) != path) continue;
+      files.push_back({*number, path});
+    }
+    if (code) return Error{pattern, "", "its folder cannot be read", ErrorKind::not_found};
+    if (files.empty()) return Error{pattern, "", "no such file", ErrorKind::not_found};
+    std::sort(files.begin(), files.end(),
+              [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
+    const auto same = std::adjacent_find(files.begin(), files.end(),
+                                         [](const auto& a, const auto& b) { return a.number == b.number; });
+    if (same != files.end())
+      return Error{pattern, "",
+                   "both " + same->path + " and " + (same + 1)->path + " are its file " +
+                       std::to_string(same->number)};
+    return files;
+  });
 }
 
 bool is_sequence_pattern(const std::string& path) {

@@ -5,9 +5,10 @@
 #include <string_view>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/result.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// The file of a sequence: "walk.####.ply" (as many digits as there are #), printf's "walk.%04d.ply" and
 /// "walk.%d.ply", Houdini's "walk.$F4.ply" and "walk.$F.ply". Longer numbers are never cut, and a minus sign

@@ -48,7 +48,7 @@ class Numbers {
 /// What is on disk of the files that may be missing.
 Result<std::vector<int>> look_up(const SequenceSource& sequence) {
   const Result<std::vector<NumberedFile>> files = list_sequence(sequence.pattern);
-  if (!files) return Error{"", "sequence", files.error().reason};
+  if (!files) return Error{"", "sequence", files.error().reason, files.error().kind};
   std::vector<int> numbers;
   for (const NumberedFile& file : *files) {
     const int n = file.number;
@@ -59,7 +59,7 @@ Result<std::vector<int>> look_up(const SequenceSource& sequence) {
       continue;
     numbers.push_back(n);
   }
-  if (numbers.empty()) return Error{"", "sequence", "none of its files is there"};
+  if (numbers.empty()) return Error{"", "sequence", "none of its files is there", ErrorKind::not_found};
   return numbers;
 }
 
@@ -73,7 +73,7 @@ int step_of(const std::vector<int>& numbers) {
   return static_cast<int>(std::clamp<long long>(step, 1, 1'000'000'000));
 }
 
-Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first, double last) {
+Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first, double last, KeyPath shape) {
   SourceFiles found;
   std::optional<Numbers> numbers;
   if (sequence.gaps || (!sequence.first && sequence.numbers.empty())) {
@@ -97,12 +97,20 @@ Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first,
   // Whole periods before the one that `first` lies in, exactly: frames are no larger than 1e9.
   double cycles = sequence.cycle ? std::floor((first - begin) / period) : 0.0;
   long long i = numbers->index_of(first - sequence.offset - cycles * period);
-  for (double frame = -HUGE_VAL; frame < last;) {
+  // A spline depends on the keys beside those that it runs between.
+  int beyond = shape == KeyPath::spline ? 1 : 0;
+  if (beyond > 0 && (i > 0 || sequence.cycle)) {
+    if (--i < 0) {
+      i = numbers->count() - 1;
+      cycles -= 1.0;
+    }
+  }
+  for (double frame = -HUGE_VAL; frame < last || beyond-- > 0;) {
     if (found.files.size() >= max_files_per_shutter)
       return Error{"", "sequence", "the shutter is open over more than 10000 files"};
     frame = numbers->at(i) + sequence.offset + cycles * period;
     Result<std::string> path = find_in_sequence(sequence.pattern, numbers->number(i));
-    if (!path) return Error{"", "sequence", path.error().reason};
+    if (!path) return Error{"", "sequence", path.error().reason, path.error().kind};
     found.files.push_back({frame, std::move(*path)});
     if (++i < numbers->count()) continue;
     if (!sequence.cycle) break;
@@ -115,13 +123,16 @@ Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first,
 Status require_files(const std::vector<KeyFile>& files, const std::string& member) {
   std::error_code code;
   for (const KeyFile& key : files)
-    if (!std::filesystem::exists(key.path, code)) return Error{"", member, "there is no file " + key.path};
+    if (!std::filesystem::exists(key.path, code))
+      return Error{"", member, "there is no file " + key.path, ErrorKind::not_found};
   return Done{};
 }
 
 }  // namespace
 
-Result<SourceFiles> source_files(const ObjectSource& source, double first, double last) {
+Result<SourceFiles> source_files(const ObjectSource& source, const Scene& scene) {
+  const Exposure all = scene.exposure().of_all_rows(scene.film.height);
+  const double first = all.open, last = all.close;
   SourceFiles found;
   std::string member = "file";
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
@@ -131,7 +142,7 @@ Result<SourceFiles> source_files(const ObjectSource& source, double first, doubl
       member = "";
     }
   } else if (const auto* sequence = std::get_if<SequenceSource>(&source.points)) {
-    Result<SourceFiles> around = sequence_files(*sequence, first, last);
+    Result<SourceFiles> around = sequence_files(*sequence, first, last, scene.motion.path);
     if (!around) return around;
     found = std::move(*around);
     member = "sequence";

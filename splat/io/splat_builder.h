@@ -75,7 +75,7 @@ class SplatBuilder {
 
 /// `error` of something within the file, which does not know its name and field.
 [[nodiscard]] inline Error named(Error error, const std::string& file, const std::string& field) {
-  return {file, field, std::move(error.reason)};
+  return {file, field, std::move(error.reason), in_a_file(error.kind)};
 }
 
 }  // namespace swept::io

@@ -63,16 +63,18 @@ bool holds_splats(const std::string& path) {
 }
 
 Result<LoadedSplats> read_splats(const std::string& path, const SplatReadOptions& options) {
-  const Reader read = reader_of(path);
-  if (!read) {
-    std::string known;
-    for (const auto& [name, reader] : readers) (known += ' ') += name;
-    return Error{path, "", "its extension is none of" + known};
-  }
   return io::guarded(path, [&]() -> Result<LoadedSplats> {
-    const Result<std::string> bytes = read_bytes(path);
-    if (!bytes) return bytes.error();
-    return read(path, *bytes, options);
+    const Reader read = reader_of(path);
+    if (!read) {
+      std::string known;
+      for (const auto& [name, reader] : readers) (known += ' ') += name;
+      return Error{path, "", "its extension is none of" + known, ErrorKind::unsupported};
+    }
+    return io::guarded(path, [&]() -> Result<LoadedSplats> {
+      const Result<std::string> bytes = read_bytes(path);
+      if (!bytes) return bytes.error();
+      return read(path, *bytes, options);
+    });
   });
 }
 

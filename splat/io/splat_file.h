@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/io/read_report.h"
 #include "splat/result.h"
 #include "splat/splat_cloud.h"
 #include "splat/splat_motion.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Which way y and z of a .spz file point. By the format right, up and back, where training has right, down
 /// and forward; but what converts PLY files to it leaves their axes as they are.

@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// The one of `known` that `word` is a slip away from; empty: none is near.
 [[nodiscard]] std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);

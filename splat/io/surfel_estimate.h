@@ -9,11 +9,12 @@
 
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/point_file.h"
 #include "splat/result.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Radius at the kernel's cut-off over the spacing h of a triangular grid. Overlapping Gaussians
 /// exp(−δ d²/r²) on that grid sum to a constant with a ripple of 6 exp(−4π² r² / (3δ h²)) (Poisson
@@ -24,6 +25,7 @@ inline constexpr double kRadiusPerSpacing = 1.25;
 struct EstimatedSurfels {
   SurfelPose pose;
   std::vector<std::size_t> unoriented;  ///< increasing
+  bool oriented = false;                ///< of all others a₁ × a₂ is known to point outside
   std::vector<std::string> notes;
 };
 
@@ -44,9 +46,5 @@ struct EstimatedSurfels {
 /// unoriented. Errors (file left empty): as PointSet::validate(), a radius is needed and all points coincide,
 /// discs beyond the range of float.
 [[nodiscard]] Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points);
-
-/// Axes of a round disc of the given radius facing `normal` (any length > 0), a₁ × a₂ along it.
-void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& axis_u,
-                Eigen::Vector3f& axis_v);
 
 }  // namespace swept

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/io/check_points.h"
+#include "splat/io/guarded.h"
 #include "splat/io/nearest_point.h"
 #include "splat/io/neighbourhood.h"
 #include "splat/io/surfel_estimate.h"
@@ -75,7 +76,7 @@ bool fit_ring(const Positions& positions, std::size_t v, const Eigen::Vector3d& 
   return true;
 }
 
-double median_length(const std::vector<Eigen::Vector3f>& axes, const std::vector<std::size_t>& left_out) {
+double median_length(const PointArray<Eigen::Vector3f>& axes, const std::vector<std::size_t>& left_out) {
   std::vector<float> lengths;
   for (std::size_t i = 0, k = 0; i < axes.size(); ++i) {
     if (k < left_out.size() && left_out[k] == i) {
@@ -124,41 +125,44 @@ Status fit_lone(const Positions& positions, const Positions& normal, EstimatedSu
 }  // namespace
 
 Result<EstimatedSurfels> surfels_from_mesh(const Positions& positions, const Triangles& triangles) {
-  const std::size_t count = positions.size();
-  if (Status s = check_positions(positions); !s) return s.error();
-  if (Status s = check_triangles(triangles, count); !s) return s.error();
-  Positions normal(count, Eigen::Vector3d::Zero());
-  std::vector<double> area(count, 0.0);
-  for (const auto& [a, b, c] : triangles) {
-    const Eigen::Vector3d n = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
-    for (const std::uint32_t corner : {a, b, c}) {
-      normal[corner] += n;
-      area[corner] += n.norm();
+  return io::guarded("", [&]() -> Result<EstimatedSurfels> {
+    const std::size_t count = positions.size();
+    if (Status s = check_positions(positions); !s) return s.error();
+    if (Status s = check_triangles(triangles, count); !s) return s.error();
+    Positions normal(count, Eigen::Vector3d::Zero());
+    std::vector<double> area(count, 0.0);
+    for (const auto& [a, b, c] : triangles) {
+      const Eigen::Vector3d n = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+      for (const std::uint32_t corner : {a, b, c}) {
+        normal[corner] += n;
+        area[corner] += n.norm();
+      }
     }
-  }
 
-  EstimatedSurfels surfels;
-  surfels.pose.position = positions;
-  surfels.pose.axis_u.assign(count, Eigen::Vector3f::Zero());
-  surfels.pose.axis_v.assign(count, Eigen::Vector3f::Zero());
-  const OneRings rings(count, triangles);
-  std::vector<std::uint32_t> ring;
-  for (std::size_t v = 0; v < count; ++v) {
-    ring.assign(rings.neighbour.begin() + static_cast<std::ptrdiff_t>(rings.begin[v]),
-                rings.neighbour.begin() + static_cast<std::ptrdiff_t>(rings.begin[v + 1]));
-    const bool has_side = normal[v].norm() > kLeastFlatness * area[v];
-    if (!has_side || !fit_ring(positions, v, normal[v].stableNormalized(), ring, surfels.pose.axis_u[v],
-                               surfels.pose.axis_v[v])) {
-      surfels.unoriented.push_back(v);
+    EstimatedSurfels surfels;
+    surfels.oriented = true;
+    surfels.pose.position = positions;
+    surfels.pose.axis_u.assign(count, Eigen::Vector3f::Zero());
+    surfels.pose.axis_v.assign(count, Eigen::Vector3f::Zero());
+    const OneRings rings(count, triangles);
+    std::vector<std::uint32_t> ring;
+    for (std::size_t v = 0; v < count; ++v) {
+      ring.assign(rings.neighbour.begin() + static_cast<std::ptrdiff_t>(rings.begin[v]),
+                  rings.neighbour.begin() + static_cast<std::ptrdiff_t>(rings.begin[v + 1]));
+      const bool has_side = normal[v].norm() > kLeastFlatness * area[v];
+      if (!has_side || !fit_ring(positions, v, normal[v].stableNormalized(), ring, surfels.pose.axis_u[v],
+                                 surfels.pose.axis_v[v])) {
+        surfels.unoriented.push_back(v);
+      }
     }
-  }
-  if (!surfels.unoriented.empty()) {
-    if (Status s = fit_lone(positions, normal, surfels); !s) return s.error();
-    surfels.notes.push_back(std::to_string(surfels.unoriented.size()) +
-                            " vertices without triangles of any area, estimated from their nearest points");
-  }
-  if (Status s = check_axes(surfels.pose); !s) return s.error();
-  return surfels;
+    if (!surfels.unoriented.empty()) {
+      if (Status s = fit_lone(positions, normal, surfels); !s) return s.error();
+      surfels.notes.push_back(std::to_string(surfels.unoriented.size()) +
+                              " vertices without triangles of any area, estimated from their nearest points");
+    }
+    if (Status s = check_axes(surfels.pose); !s) return s.error();
+    return surfels;
+  });
 }
 
 }  // namespace swept

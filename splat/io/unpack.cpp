@@ -81,7 +81,7 @@ bool GzipStream::at_end() {
 Result<std::string> unpack_zstd(std::string_view packed, std::size_t size) {
   const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
                                                                           ZSTD_freeDStream);
-  if (!stream) return Error{"", "", "not enough memory"};
+  if (!stream) return Error{"", "", "not enough memory", ErrorKind::out_of_memory};
   // A frame may ask for a window of any size. Those who pack without knowing the size ask for 8 MiB.
   int window_log = 23;
   while (window_log < 31 && (std::size_t{1} << window_log) < size) ++window_log;

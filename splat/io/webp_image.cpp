@@ -14,7 +14,8 @@ Result<ByteImage> read_webp(std::string_view bytes, std::size_t least, std::size
     return Error{"", "", "is no WebP image"};
   constexpr int lossless = 2;
   if (features.has_animation || features.format != lossless)
-    return Error{"", "", "is no lossless still of WebP, so its numbers are not those that were written"};
+    return Error{"", "", "is no lossless still of WebP, so its numbers are not those that were written",
+                 ErrorKind::unsupported};
   ByteImage image;
   image.width = static_cast<std::size_t>(features.width);
   image.height = static_cast<std::size_t>(features.height);

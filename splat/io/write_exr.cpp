@@ -23,6 +23,7 @@
 #include <half.h>
 
 #include "splat/io/atomic_file.h"
+#include "splat/io/guarded.h"
 #include "splat/io/image_file.h"
 
 namespace swept {
@@ -169,18 +170,20 @@ void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata&
 
 Status write_exr(const std::string& path, const Image& image, const ImageMetadata& metadata, ExrPixels pixels,
                  IfExists existing) {
-  for (const Status& status : {image.validate(), check(metadata)}) {
-    if (!status) return Error{path, status.error().field, status.error().reason};
-  }
-  try {
-    Result<AtomicFile> file = AtomicFile::create(path);
-    if (!file) return file.error();
-    FileStream stream(path, file->stream());
-    write_pixels(stream, image, metadata, pixels);
-    return file->commit(existing);
-  } catch (const std::exception& problem) {
-    return Error{path, "", std::string("cannot be written: ") + problem.what()};
-  }
+  return io::guarded(path, [&]() -> Status {
+    for (const Status& status : {image.validate(), check(metadata)}) {
+      if (!status) return Error{path, status.error().field, status.error().reason, status.error().kind};
+    }
+    try {
+      Result<AtomicFile> file = AtomicFile::create(path);
+      if (!file) return file.error();
+      FileStream stream(path, file->stream());
+      write_pixels(stream, image, metadata, pixels);
+      return file->commit(existing);
+    } catch (const std::exception& problem) {
+      return Error{path, "", std::string("cannot be written: ") + problem.what(), ErrorKind::device};
+    }
+  });
 }
 
 }  // namespace swept

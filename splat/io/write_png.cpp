@@ -38,7 +38,7 @@ Status write(const std::string& path, const Image& image, IfExists existing) {
   header.format = PNG_FORMAT_RGBA;
   const std::vector<std::uint8_t> bytes = bytes_of(image);
   if (png_image_write_to_stdio(&header, file->stream(), 0, bytes.data(), 0, nullptr) == 0) {
-    return Error{path, "", std::string("cannot be written: ") + header.message};
+    return Error{path, "", std::string("cannot be written: ") + header.message, ErrorKind::device};
   }
   return file->commit(existing);
 }
@@ -46,10 +46,12 @@ Status write(const std::string& path, const Image& image, IfExists existing) {
 }  // namespace
 
 Status write_png(const std::string& path, const Image& image, IfExists existing) {
-  if (const Status status = image.validate(); !status) {
-    return Error{path, status.error().field, status.error().reason};
-  }
-  return io::guarded(path, [&] { return write(path, image, existing); });
+  return io::guarded(path, [&]() -> Status {
+    if (const Status status = image.validate(); !status) {
+      return Error{path, status.error().field, status.error().reason, status.error().kind};
+    }
+    return io::guarded(path, [&] { return write(path, image, existing); });
+  });
 }
 
 }  // namespace swept

@@ -44,7 +44,8 @@ Result<std::string> ZipFile::read(const std::string& name, std::size_t most) con
   if ((stat.valid & needed) != needed) return Error{"", "", "the zip archive does not say its size"};
   if (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE)
     return Error{"", "",
-                 "is packed by zip method " + std::to_string(stat.comp_method) + "; 0 and 8 are known"};
+                 "is packed by zip method " + std::to_string(stat.comp_method) + "; 0 and 8 are known",
+                 ErrorKind::unsupported};
   if (stat.size > most)
     return Error{"", "",
                  "has " + std::to_string(stat.size) + " bytes, more than the " + std::to_string(most) +

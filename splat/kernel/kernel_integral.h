@@ -17,7 +17,9 @@
 #include <limits>
 #include <numbers>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// The mean of exp(−y²) over [m − s/2, m + s/2] as exp(−m²) · Σ H₂ₙ(m) s²ⁿ / (4ⁿ (2n+1)!), Hₖ being the
 /// Hermite polynomials.

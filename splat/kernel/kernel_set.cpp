@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/motion/cut.h"
 #include "splat/motion/instant.h"
 #include "splat/motion/segments.h"
 
@@ -26,11 +27,12 @@ std::uint64_t every_third_bit(std::uint64_t v) {
 
 bool content_less(const MovingKernel& a, const MovingKernel& b) {
   const auto content = [](const MovingKernel& k) {
-    return std::array<double, 24>{
-        k.center.x(),      k.center.y(), k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
-        k.axis_u.x(),      k.axis_u.y(), k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
-        k.facing.x(),      k.facing.y(), k.facing.z(), k.t_begin,      k.t_end,        k.weight,
-        k.depth_tolerance, k.color.x(),  k.color.y(),  k.color.z(),    k.color.w(),    0.0};
+    return std::array<double, 27>{
+        k.center.x(),      k.center.y(),  k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
+        k.axis_u.x(),      k.axis_u.y(),  k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
+        k.facing.x(),      k.facing.y(),  k.facing.z(), k.t_begin,      k.t_end,        k.weight,
+        k.depth_tolerance, k.color.x(),   k.color.y(),  k.color.z(),    k.color.w(),    k.outside.x(),
+        k.outside.y(),     k.outside.z(), 0.0};
   };
   return content(a) < content(b);
 }
@@ -70,27 +72,21 @@ void sort_by_content(std::vector<MovingKernel>& kernels) {
   kernels = std::move(sorted);
 }
 
-/// All the path of one surfel that a segment needs: centres at the ends and in the middle, axes in the
-/// middle.
-struct Path {
-  std::vector<Eigen::Vector3d> centers;                           ///< segments + 1
-  std::vector<Eigen::Vector3d> middles;                           ///< segments
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes;  ///< segments
-  std::vector<double> times;                                      ///< segments + 1, from 0 to 1
-
-  [[nodiscard]] bool still() const {
-    const auto at_start = [&](const Eigen::Vector3d& c) { return c == centers.front(); };
-    return std::all_of(centers.begin(), centers.end(), at_start) &&
-           std::all_of(middles.begin(), middles.end(), at_start) &&
-           std::all_of(axes.begin(), axes.end(), [&](const auto& a) { return a == axes.front(); });
-  }
-};
+/// Whether a path of segments is none.
+bool still(const std::vector<PathSegment>& path) {
+  const PathSegment& f = path.front();
+  return std::all_of(path.begin(), path.end(), [&](const PathSegment& s) {
+    return s.first == f.first && s.middle == f.first && s.last == f.first && s.axis_u == f.axis_u &&
+           s.axis_v == f.axis_v;
+  });
+}
 
 class Builder {
  public:
   Builder(const Scene& scene, const Exposure& exposure, KernelSet& out)
       : scene_(scene), exposure_(exposure), out_(out) {
-    out.projection = projection_of(scene.film, scene.camera.at(exposure.middle()));
+    out.projection =
+        projection_of(scene.film, scene.camera.at(exposure.of_all_rows(scene.film.height).middle()));
     out.near = scene.camera.near;
     // A guard band: beyond it a disc touches the frame with its rim only, if at all.
     constexpr double guard = 1.3;
@@ -101,53 +97,113 @@ class Builder {
   }
 
   void add(const Object& object) {
-    const int segments = linear_segments(scene_, object, exposure_);
-    out_.most_segments = std::max(out_.most_segments, segments);
-    std::vector<Instant> ends, middles;
-    Path path;
-    for (int s = 0; s <= segments; ++s) path.times.push_back(segment_time(exposure_, s, segments));
-    for (const double time : path.times) ends.push_back(instant_at(scene_, object, exposure_, time));
-    for (int s = 0; s < segments; ++s)
-      middles.push_back(instant_at(scene_, object, exposure_, segment_middle(exposure_, s, segments)));
-    const std::size_t count = object.cloud.size();
-    out_.surfels += count;
-    out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
-    for (std::size_t i = 0; i < count; ++i) {
-      path.centers.clear();
-      path.middles.clear();
-      path.axes.clear();
-      for (const Instant& end : ends)
-        path.centers.push_back(end.to_camera(surfel_at(object.cloud, i, end.frame).position));
-      for (const Instant& middle : middles) {
-        const SurfelInstant surfel = surfel_at(object.cloud, i, middle.frame);
-        path.middles.push_back(middle.to_camera(surfel.position));
-        path.axes.emplace_back(middle.to_camera_direction(surfel.axis_u),
-                               middle.to_camera_direction(surfel.axis_v));
-      }
-      const bool still = path.still();
-      const int pieces = still ? 1 : segments;
-      // A mirrored object keeps its outside outside.
-      const double side = middles.front().world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
-      for (int s = 0; s < pieces; ++s) add_segment(object, i, path, s, pieces, side);
-    }
+    out_.surfels += object.discs();
+    if (object.discs() == 0) return;
+    const Exposure all = exposure_.of_all_rows(scene_.film.height);
+    if (cuts_by_point(scene_, object, exposure_))
+      add_by_point(object, all);
+    else
+      add_alike(object);
   }
 
  private:
-  void add_segment(const Object& object, std::size_t i, const Path& path, int s, int pieces, double side) {
-    const Eigen::Vector3d& c0 = path.centers[s];
-    const Eigen::Vector3d& c1 = path.centers[s + 1];
-    const auto& [axis_u, axis_v] = path.axes[s];
+  /// A mirrored object keeps its outside outside.
+  void take_side(const Instant& instant) {
+    side_ = instant.world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
+  }
+
+  void add_by_point(const Object& object, const Exposure& all) {
+    take_side(instant_at(scene_, object, all, 0.5));
+    PathCutter cutter(scene_, object, all);
+    const double tolerance = path_tolerance_px(scene_);
+    // Shutter time is that of the first row.
+    const double begin = exposure_.curve ? 0.0 : (all.open - exposure_.open) / length();
+    const double scale = exposure_.curve ? 1.0 : (all.close - all.open) / length();
+    out_.kernels.reserve(out_.kernels.size() + object.cloud.size());
+    for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+      const std::vector<PathSegment>& path = cutter.cut(i, tolerance);
+      out_.most_segments = std::max(out_.most_segments, static_cast<int>(path.size()));
+      for (PathSegment segment : path) {
+        segment.begin = begin + scale * segment.begin;
+        segment.end = begin + scale * segment.end;
+        add_segment(object, i, segment, 1.0 / (segment.end - segment.begin));
+      }
+    }
+  }
+
+  void add_alike(const Object& object) {
+    const int segments = linear_segments(scene_, object, exposure_);
+    out_.most_segments = std::max(out_.most_segments, segments);
+    std::vector<Instant> ends, middles;
+    std::vector<SurfelsAt> at_ends, at_middles;
+    std::vector<double> times;
+    for (int s = 0; s <= segments; ++s) times.push_back(segment_time(exposure_, s, segments));
+    for (const double time : times) ends.push_back(instant_at(scene_, object, exposure_, time));
+    for (int s = 0; s < segments; ++s)
+      middles.push_back(instant_at(scene_, object, exposure_, segment_middle(exposure_, s, segments)));
+    take_side(middles.front());
+    for (const Instant& end : ends) at_ends.emplace_back(object.cloud, end.frame);
+    for (const Instant& middle : middles) at_middles.emplace_back(object.cloud, middle.frame);
+    const std::size_t count = object.cloud.size();
+    out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
+    std::vector<PathSegment> path(static_cast<std::size_t>(segments));
+    for (std::size_t i = 0; i < count; ++i) {
+      Eigen::Vector3d first = ends[0].to_camera(at_ends[0][i].position);
+      for (std::size_t s = 0; s < path.size(); ++s) {
+        const SurfelInstant surfel = at_middles[s][i];
+        const Eigen::Vector3d last = ends[s + 1].to_camera(at_ends[s + 1][i].position);
+        path[s] = {times[s],
+                   times[s + 1],
+                   first,
+                   middles[s].to_camera(surfel.position),
+                   last,
+                   middles[s].to_camera_direction(surfel.axis_u),
+                   middles[s].to_camera_direction(surfel.axis_v)};
+        first = last;
+      }
+      if (still(path)) {
+        PathSegment whole = path.front();
+        whole.end = 1.0;
+        add_segment(object, i, whole, 1.0);
+        continue;
+      }
+      for (const PathSegment& segment : path)
+        add_segment(object, i, segment,
+                    exposure_.curve ? 1.0 / (segment.end - segment.begin) : double{1.0} * segments);
+    }
+  }
+
+  [[nodiscard]] double length() const { return exposure_.close - exposure_.open; }
+
+  /// Leaves of the kernel what its point is there for. False: nothing.
+  bool clip_to_lifetime(const Lifetime& life, MovingKernel& kernel) const {
+    const double before = kernel.t_mid();
+    const Exposure all = exposure_.of_all_rows(scene_.film.height);
+    if (all.instant()) return life.born <= all.open && all.open < life.gone;
+    const auto time = [&](double frame) {
+      return static_cast<float>(exposure_.curve ? exposure_.share_at(frame)
+                                                : (frame - exposure_.open) / length());
+    };
+    if (life.born >= all.close || life.gone <= all.open) return false;
+    if (life.born > all.open) kernel.t_begin = std::max(kernel.t_begin, time(life.born));
+    if (life.gone < all.close) kernel.t_end = std::min(kernel.t_end, time(life.gone));
+    if (!(kernel.t_begin < kernel.t_end)) return false;
+    kernel.center += (kernel.t_mid() - before) * kernel.velocity;
+    return true;
+  }
+
+  void add_segment(const Object& object, std::size_t i, const PathSegment& path, double per_segment) {
+    const Eigen::Vector3d &c0 = path.first, &c1 = path.last, &axis_u = path.axis_u, &axis_v = path.axis_v;
     MovingKernel kernel;
-    const bool whole = pieces == 1;
-    const double begin = whole ? 0.0 : path.times[s], end = whole ? 1.0 : path.times[s + 1];
     // While no light comes in.
-    if (!(static_cast<float>(begin) < static_cast<float>(end))) return;
-    kernel.velocity = exposure_.curve ? Eigen::Vector3d((c1 - c0) / (end - begin)) : (c1 - c0) * pieces;
+    if (!(static_cast<float>(path.begin) < static_cast<float>(path.end))) return;
+    kernel.velocity = exposure_.curve ? Eigen::Vector3d((c1 - c0) / (path.end - path.begin))
+                                      : Eigen::Vector3d((c1 - c0) * per_segment);
     // As far as the mean of the path lies from that of its chord, by Simpson's rule.
     const Eigen::Vector3d chord = c0 + 0.5 * (c1 - c0);
-    kernel.center = chord + (2.0 / 3.0) * (path.middles[s] - chord);
-    kernel.t_begin = static_cast<float>(begin);
-    kernel.t_end = static_cast<float>(end);
+    kernel.center = chord + (2.0 / 3.0) * (path.middle - chord);
+    kernel.t_begin = static_cast<float>(path.begin);
+    kernel.t_end = static_cast<float>(path.end);
 
     const FilteredDisc disc = filter_disc(kernel.center, axis_u, axis_v, filter_);
     if (!(static_cast<float>(disc.weight) > 0.0f)) {
@@ -172,7 +228,13 @@ class Builder {
       return;
     }
     // Normalised before it becomes a float: the product of two tiny axes would underflow.
-    if (!object.two_sided) kernel.facing = (side * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+    const bool oriented = object.cloud.is_oriented(i);
+    if (!object.two_sided || oriented) {
+      const Eigen::Vector3f outside = (side_ * axis_u.cross(axis_v).stableNormalized()).cast<float>();
+      if (!object.two_sided) kernel.facing = outside;
+      if (oriented) kernel.outside = outside;
+    }
+    if (!object.cloud.lifetime.empty() && !clip_to_lifetime(object.cloud.lifetime[i], kernel)) return;
     const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
     kernel.color.head<3>() =
         opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);
@@ -189,6 +251,7 @@ class Builder {
   Exposure exposure_;
   KernelSet& out_;
   PixelFilter filter_;
+  double side_ = 1.0;  ///< −1: the object is mirrored
 };
 
 }  // namespace

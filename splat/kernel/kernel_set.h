@@ -4,11 +4,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "splat/export.h"
 #include "splat/kernel/moving_kernel.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
 /// or objects changes nothing.
@@ -28,11 +29,13 @@ struct KernelSet {
   std::size_t culled_near = 0;  ///< wholly nearer than the near plane or behind the eye
 };
 
-/// Cuts every surfel's path through camera space over the exposure into linear_segments(); one where nothing
-/// moves. A segment has the mean velocity of its stretch of the path and, by Simpson's rule, its mean
-/// position: to first order a blurred image sees nothing else of it, and the chord between the path's ends
-/// misses the second. Axes, normal and pixel filter are those of its middle. `scene` must satisfy
-/// validate().
+/// Cuts every surfel's path through camera space over the exposure into linear_segments(), or, where
+/// cuts_by_point() says so, each by itself (splat/motion/cut.h); one where nothing moves. Of points that come
+/// or go there is what exists. Where rows are exposed one after the other, segments run over the exposures of
+/// all of them, in the shutter time of the top row, so that times may lie outside [0, 1]. A segment has the
+/// mean velocity of its stretch of the path and, by Simpson's rule, its mean position: to first order a
+/// blurred image sees nothing else of it, and the chord between the path's ends misses the second. Axes,
+/// normal and pixel filter are those of its middle. `scene` must satisfy validate().
 [[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure);
 /// The same over the scene's own exposure.
 [[nodiscard]] inline KernelSet build_kernels(const Scene& scene) {

@@ -13,7 +13,9 @@
 
 #include <Eigen/Core>
 
-namespace swept {
+#include "splat/export.h"
+
+namespace SWEPT_API swept {
 
 /// The pixel filter in camera space, and the part of the camera where it is to be accurate.
 struct PixelFilter {
@@ -52,6 +54,9 @@ struct MovingKernel {
   Eigen::Vector3d velocity;        ///< m, per unit of τ; exactly zero: a still kernel
   Eigen::Vector3f axis_u, axis_v;  ///< filtered disc, fixed over the segment
   Eigen::Vector3f facing;          ///< visible where facing·d < 0; zero: from both sides
+  /// The disc's normal on its outside: a ray sees the front where outside·d < 0, which holds for the whole
+  /// segment. Zero: not known.
+  Eigen::Vector3f outside = Eigen::Vector3f::Zero();
   float t_begin = 0.0f, t_end = 1.0f;
   float weight = 1.0f;           ///< of the filtered disc
   float depth_tolerance = 0.0f;  ///< ε, camera-space units

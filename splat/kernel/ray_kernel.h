@@ -15,9 +15,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/kernel/moving_kernel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Coordinates in the disc's plane and depth along one ray, linear in the time from the segment's middle:
 /// u + du·(τ − t_mid) and so on. They need not be finite where the ray lies in the disc's plane to
@@ -70,6 +71,8 @@ class KernelPlane {
     z_ = depths.x();
     dz_ = depths.y();
     facing_ = kernel.facing.cast<T>();
+    outside_ = kernel.outside.cast<T>();
+    oriented_ = !kernel.outside.isZero(0.0f);
     // Not for a centre beside the eye, whose ray is no better than any other.
     constexpr double widest_tangent = 0x1p20;
     if (std::max(std::abs(c.x()), std::abs(c.y())) < widest_tangent * c.z()) {
@@ -84,6 +87,13 @@ class KernelPlane {
   /// Whether the disc shows this ray a side it may be seen from.
   [[nodiscard]] bool faces(T x, T y) const {
     return !(facing_.x() * x + facing_.y() * y + facing_.z() >= T(0)) || facing_.isZero(T(0));
+  }
+
+  /// Whether the disc's front and back are told apart.
+  [[nodiscard]] bool oriented() const { return oriented_; }
+  /// Whether the disc, oriented, shows this ray its back.
+  [[nodiscard]] bool shows_back(T x, T y) const {
+    return !(outside_.x() * x + outside_.y() * y + outside_.z() < T(0));
   }
 
   /// For the ray (x, y, 1), x and y being tangents.
@@ -113,7 +123,8 @@ class KernelPlane {
     return v.cwiseMax(-largest).cwiseMin(largest).template cast<T>();
   }
 
-  Vector3 normal_, u_, v_, du_, dv_, facing_;
+  Vector3 normal_, u_, v_, du_, dv_, facing_, outside_;
+  bool oriented_;
   T z_, dz_;
   T center_x_ = T(0), center_y_ = T(0);  ///< the ray from which (u, v) are evaluated
   T u_center_ = T(0), v_center_ = T(0);  ///< their numerators there

@@ -7,9 +7,10 @@
 #pragma once
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/kernel/moving_kernel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Closed axis-aligned box on the film, px.
 struct PixelBox {

@@ -3,9 +3,10 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/export.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct Instant {
   double frame = 0.0;
@@ -34,11 +35,12 @@ struct Instant {
   return {frame, object.transform.at(frame), lens.isIdentity(0.0) ? rotation : lens * rotation, camera.eye};
 }
 
-/// Whether object, points and camera keep their bits over the whole exposure.
+/// Whether object, points and camera keep their bits over the whole exposure, of all rows.
 [[nodiscard]] inline bool stands_still(const Scene& scene, const Object& object, const Exposure& exposure) {
-  return exposure.instant() || (!object.cloud.moves() && object.splats.velocity.empty() &&
-                                object.transform.constant_over(exposure.open, exposure.close) &&
-                                scene.camera.constant_over(exposure.open, exposure.close));
+  const Exposure all = exposure.of_all_rows(scene.film.height);
+  return all.instant() || (!object.cloud.moves() && object.splats.velocity.empty() &&
+                           object.transform.constant_over(all.open, all.close) &&
+                           scene.camera.constant_over(all.open, all.close));
 }
 
 }  // namespace swept

@@ -7,13 +7,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/motion/cut.h"
 #include "splat/motion/instant.h"
 
 namespace swept {
 namespace {
 
-constexpr double path_tolerance_px = 0.1;  // chords err to one side, and in the middle most
-constexpr double rim_tolerance_px = 0.25;  // frozen axes err to both sides; the mean over the points counts
+constexpr double chord_tolerance_px = 0.1;  // chords err to one side, and in the middle most
+constexpr double rim_tolerance_px = 0.25;   // frozen axes err to both sides; the mean over the points counts
 constexpr int probed_segments = 8;
 constexpr std::size_t sample_size = 1024;
 
@@ -35,7 +36,7 @@ struct Deviation {
 
   [[nodiscard]] double mean_rim_px() const { return points > 0 ? rim_px / static_cast<double>(points) : 0.0; }
   [[nodiscard]] bool within_tolerance() const {
-    return path_px <= path_tolerance_px && mean_rim_px() <= rim_tolerance_px;
+    return path_px <= chord_tolerance_px && mean_rim_px() <= rim_tolerance_px;
   }
 };
 
@@ -85,10 +86,13 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
   std::array<Deviation, 4> by_log2{};
   const SurfelCloud& cloud = object.cloud;
   const std::size_t stride = (cloud.size() + sample_size - 1) / sample_size;
+  std::vector<SurfelsAt> surfels;
+  if (cloud.size() > 0)
+    for (const Instant& instant : instants) surfels.emplace_back(cloud, instant.frame);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (stride > 1 && mixed(cloud.keys.front().pose.position[i]) % stride != 0) continue;
     for (int j = 0; j <= 2 * probed_segments; ++j) {
-      const SurfelInstant surfel = surfel_at(cloud, i, instants[j].frame);
+      const SurfelInstant surfel = surfels[static_cast<std::size_t>(j)][i];
       probe.center[j] = instants[j].to_camera(surfel.position);
       probe.axis_u[j] = instants[j].to_camera_direction(surfel.axis_u);
       probe.axis_v[j] = instants[j].to_camera_direction(surfel.axis_v);
@@ -107,12 +111,24 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
     return 1 << k;
   }
   // A chord's error falls with the square of the count, a frozen axis's with the count.
-  const double factor = std::max(std::sqrt(by_log2[3].path_px / path_tolerance_px),
+  const double factor = std::max(std::sqrt(by_log2[3].path_px / chord_tolerance_px),
                                  by_log2[3].mean_rim_px() / rim_tolerance_px);
   return static_cast<int>(std::min<double>(std::ceil(probed_segments * factor), max_chosen_segments));
 }
 
 }  // namespace
+
+int most_segments(const Scene& scene, const Object& object, const Exposure& exposure) {
+  if (!cuts_by_point(scene, object, exposure)) return linear_segments(scene, object, exposure);
+  PathCutter cutter(scene, object, exposure.of_all_rows(scene.film.height));
+  const SurfelCloud& cloud = object.cloud;
+  const std::size_t stride = (cloud.size() + sample_size - 1) / sample_size;
+  std::size_t most = 1;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (stride == 1 || mixed(cloud.keys.front().pose.position[i]) % stride == 0)
+      most = std::max(most, cutter.cut(i, path_tolerance_px(scene)).size());
+  return static_cast<int>(most);
+}
 
 double segment_time(const Exposure& exposure, int s, int segments) {
   const double time = static_cast<double>(s) / segments;

@@ -1,9 +1,10 @@
 // Into how many linear segments a path has to be cut.
 #pragma once
 
+#include "splat/export.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// The most segments that are chosen unasked.
 inline constexpr int max_chosen_segments = 64;
@@ -17,11 +18,16 @@ inline constexpr int max_chosen_segments = 64;
 /// And in the middle of its light.
 [[nodiscard]] double segment_middle(const Exposure& exposure, int s, int segments);
 
-/// How many linear segments build_kernels() cuts the paths of `object` into over the exposure:
+/// How many linear segments build_kernels() cuts the paths of `object` into over the exposure, where it cuts
+/// all its points alike:
 /// Object::segments, else ImageModel::segments, else as many as keep the chords of every point's true path
 /// within 0.1 px of it on the film (and so segments within 0.07 px) and the discs' rims within 0.25 px on
 /// average, up to max_chosen_segments. That is judged by a sample of about a thousand points, which depends
 /// on the points and not on their order. 1 where nothing moves. `scene` must satisfy validate().
 [[nodiscard]] int linear_segments(const Scene& scene, const Object& object, const Exposure& exposure);
+
+/// The same where that is how it is done, and else, where points are cut one by one (cuts_by_point()), the
+/// most that any of the sample takes.
+[[nodiscard]] int most_segments(const Scene& scene, const Object& object, const Exposure& exposure);
 
 }  // namespace swept

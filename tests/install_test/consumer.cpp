@@ -1,16 +1,17 @@
 // Renders one disc that crosses the film, and writes the picture to the path given.
 #include <cstdio>
 
-#include <abuffer/abuffer.h>
-#include <abuffer/sampled.h>
+#include <swept/abuffer/abuffer.h>
+#include <swept/abuffer/sampled.h>
+#include <swept/datasets/generators.h>
 #ifdef WITH_GPU
-#include <gpu_passes/gpu_renderer.h>
+#include <swept/gpu_passes/gpu_renderer.h>
 #endif
-#include <splat/io/image_file.h>
+#include <swept/splat/io/image_file.h>
 #ifdef WITH_PCL
-#include <splat/io/pcl/point_cloud.h>
+#include <swept/splat/io/pcl/point_cloud.h>
 #endif
-#include <splat/scene.h>
+#include <swept/splat/scene.h>
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
@@ -28,6 +29,8 @@ int main(int argc, char** argv) {
   if (!rendered) return std::fprintf(stderr, "%s\n", rendered.error().message().c_str()), 1;
   const swept::Status written = swept::write_exr(argv[1], rendered->image);
   if (!written) return std::fprintf(stderr, "%s\n", written.error().message().c_str()), 1;
+
+  if (!swept::generate("sphere", 100, {})) return 1;
 
 #ifdef WITH_PCL
   const auto points = swept::pcl_from_cloud(scene.objects[0].cloud, 0.0);

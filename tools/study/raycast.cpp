@@ -13,7 +13,9 @@
 #include "abuffer/parallel.h"
 #include "abuffer/render_valid.h"
 #include "abuffer/resolve/still.h"
+#include "abuffer/sources/rasterize.h"
 #include "splat/kernel/kernel_set.h"
+#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 #include "tools/study/disc_volumes.h"
 
@@ -49,8 +51,10 @@ class Tracer {
  public:
   Tracer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
          const DiscVolumes& volumes, const RaycastOptions& options, Image& image)
-      : projection_(set.projection),
+      : set_(set),
+        projection_(set.projection),
         shades_(shades),
+        backs_(static_cast<std::uint32_t>(shades.size() - set.kernels.size())),
         background_(scene.background.cast<double>()),
         volumes_(volumes),
         options_(options),
@@ -68,7 +72,7 @@ class Tracer {
       const double time = (i + jitter(shared ? 0 : i)) / options_.samples;
       ray.time = std::min(static_cast<float>(time), 1.0f - 0x1p-24f);
       hits += volumes_.meet(ray, met_);
-      shade(pixel);
+      shade(ray, pixel);
     }
     store(x, y, pixel);
   }
@@ -77,14 +81,14 @@ class Tracer {
 
  private:
   /// By the rules, and the very code, of a still image.
-  void shade(PixelSum& pixel) {
+  void shade(const DiscRay& ray, PixelSum& pixel) {
     const std::size_t count = met_.size();
     if (count == 0) return;
     fragments_.count = 0;
     fragments_.ensure(count);
     if (indices_.size() < count) indices_.resize(2 * count);
     for (std::size_t i = 0; i < count; ++i) {
-      fragments_.kernel[i] = met_[i].kernel;
+      fragments_.kernel[i] = met_[i].kernel + (shows_back(met_[i].kernel, ray) ? backs_ : 0);
       fragments_.t_end[i] = 1.0f;
       fragments_.peak[i] = met_[i].rho;
       fragments_.z[i] = met_[i].z;
@@ -92,6 +96,12 @@ class Tracer {
     }
     fragments_.count = count;
     still_.resolve(fragments_, shades_, indices_.data(), count, pixel);
+  }
+
+  [[nodiscard]] bool shows_back(std::uint32_t kernel, const DiscRay& ray) const {
+    const Eigen::Vector3d outside = set_.kernels[kernel].outside.cast<double>();
+    return backs_ != 0 && !outside.isZero(0.0) &&
+           !(outside.x() * ray.x + outside.y() * ray.y + outside.z() < 0.0);
   }
 
   void store(int x, int y, const PixelSum& pixel) {
@@ -105,8 +115,10 @@ class Tracer {
                                   : std::numeric_limits<float>::infinity();
   }
 
+  const KernelSet& set_;
   Projection projection_;
   const std::vector<Shade>& shades_;
+  std::uint32_t backs_;
   Eigen::Vector4d background_;
   const DiscVolumes& volumes_;
   const RaycastOptions& options_;
@@ -122,10 +134,7 @@ Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given,
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
-  std::vector<Shade> shades;
-  shades.reserve(set.kernels.size());
-  for (const MovingKernel& k : set.kernels)
-    shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]}, k.depth_tolerance});
+  const std::vector<Shade> shades = shades_of(set);
   if (set.still_kernels == set.kernels.size()) options.samples = 1;
   out.statistics.time("kernels", watch.lap());
   const Result<DiscVolumes> volumes = DiscVolumes::build(set, scene.model, options.threads);
@@ -158,6 +167,8 @@ Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given,
 bool raycast_available() { return true; }
 
 Result<Rendered> render_raycast(const Scene& scene, const RaycastOptions& options) {
+  if (Status status = refuse_lens(scene, "the ray caster"); !status) return status.error();
+  if (Status status = refuse_row_delay(scene, "the ray caster"); !status) return status.error();
   RenderControl control;
   control.threads = options.threads;
   return render_valid(scene, options, control, render_checked);

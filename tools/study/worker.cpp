@@ -100,6 +100,9 @@ Scene for_warming_up(const Scene& scene) {
       cut(key.pose.axis_v);
     }
     cut(cloud.velocity);
+    cut(cloud.acceleration);
+    cut(cloud.angular_velocity);
+    cut(cloud.lifetime);
     cut(cloud.color);
     cut(cloud.opacity);
   }

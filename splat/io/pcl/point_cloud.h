@@ -17,12 +17,13 @@
 #include <pcl/point_types.h>
 #include <Eigen/Core>
 
+#include "splat/export.h"
 #include "splat/io/cloud_source.h"
 #include "splat/io/point_file.h"
 #include "splat/result.h"
 #include "splat/surfel.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 template <class P>
 concept PclPosition = requires(P p) {

@@ -1,0 +1,126 @@
+#include "abuffer/reference/mesh_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "splat/interval/pixel_places.h"
+#include "splat/motion/instant.h"
+
+namespace swept::reference {
+namespace {
+
+struct Hit {
+  double depth = 0.0;
+  Eigen::Vector4d color;
+};
+
+/// Möller and Trumbore 1997. The viewing ray begins at the eye.
+std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Eigen::Vector4d (&color)[3],
+                                 const Eigen::Vector3d& ray, double near) {
+  const Eigen::Vector3d e1 = p[1] - p[0], e2 = p[2] - p[0], h = ray.cross(e2);
+  const double a = e1.dot(h);
+  if (a == 0.0) return std::nullopt;
+  const Eigen::Vector3d from = -p[0];
+  const double u = from.dot(h) / a;
+  if (!(u >= 0.0 && u <= 1.0)) return std::nullopt;
+  const Eigen::Vector3d q = from.cross(e1);
+  const double v = ray.dot(q) / a;
+  if (!(v >= 0.0 && u + v <= 1.0)) return std::nullopt;
+  const double depth = e2.dot(q) / a;
+  if (!(depth >= near)) return std::nullopt;
+  return Hit{depth, (1.0 - u - v) * color[0] + u * color[1] + v * color[2]};
+}
+
+}  // namespace
+
+MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
+    : projection_(projection_of(scene.film, scene.camera.at(frame))), near_(scene.camera.near) {
+  const Film& film = scene.film;
+  const PixelBox window{film.crop_x, film.crop_y, film.crop_x + film.window_width(),
+                        film.crop_y + film.window_height()};
+  const Instant instant = instant_at(scene, object, {frame, frame}, 0.0);
+  const bool mirrored = (instant.camera_from_world * instant.world_from_object.linear()).determinant() < 0.0;
+  first_row_ = window.y_begin;
+  of_row_.resize(static_cast<std::size_t>(film.window_height()));
+  for (const Triangle& triangle : object.triangles) {
+    Corners corners;
+    bool in_front = true;
+    Eigen::Array2d low = Eigen::Array2d::Constant(1e30), high = -low;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t point = triangle[i];
+      corners.at[i] = instant.to_camera(surfel_at(object.cloud, point, frame).position);
+      const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
+      corners.color[i] << (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[point])
+                              .cast<double>(),
+          1.0;
+      corners.color[i] *= double{opacity};
+      in_front = in_front && corners.at[i].z() > near_;
+      const Eigen::Array2d film_at =
+          Eigen::Array2d(projection_.center_x, projection_.center_y) +
+          projection_.focal_px * corners.at[i].head<2>().array() / corners.at[i].z();
+      low = low.min(film_at);
+      high = high.max(film_at);
+    }
+    const Eigen::Vector3d normal = (corners.at[1] - corners.at[0]).cross(corners.at[2] - corners.at[0]);
+    const bool front = (normal.dot(corners.at[0]) < 0.0) != mirrored;
+    if (!object.two_sided && !front) continue;
+    // What reaches behind the eye may be anywhere.
+    const auto pixel = [](double v, int begin, int end) {
+      return static_cast<int>(std::clamp<double>(std::floor(v), begin, end));
+    };
+    corners.box = window;
+    if (in_front)
+      corners.box = {pixel(low.x() - 1.0, window.x_begin, window.x_end),
+                     pixel(low.y() - 1.0, window.y_begin, window.y_end),
+                     pixel(high.x() + 2.0, window.x_begin, window.x_end),
+                     pixel(high.y() + 2.0, window.y_begin, window.y_end)};
+    if (corners.box.empty()) continue;
+    for (int y = corners.box.y_begin; y < corners.box.y_end; ++y)
+      of_row_[static_cast<std::size_t>(y - first_row_)].push_back(
+          static_cast<std::uint32_t>(triangles_.size()));
+    triangles_.push_back(corners);
+  }
+}
+
+void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
+  std::vector<Hit> hits[pixel_places];
+  std::size_t most = 0;
+  for (int k = 0; k < pixel_places; ++k) {
+    const Eigen::Vector3d ray(
+        (x + 0.5 + double{places_in_pixel.x[k]} - projection_.center_x) / projection_.focal_px,
+        (y + 0.5 + double{places_in_pixel.y[k]} - projection_.center_y) / projection_.focal_px, 1.0);
+    for (const std::uint32_t t : of_row_[static_cast<std::size_t>(y - first_row_)]) {
+      const Corners& corners = triangles_[t];
+      if (x < corners.box.x_begin || x >= corners.box.x_end) continue;
+      if (const auto hit = meet_triangle(corners.at, corners.color, ray, near_)) hits[k].push_back(*hit);
+    }
+    std::stable_sort(hits[k].begin(), hits[k].end(),
+                     [](const Hit& a, const Hit& b) { return a.depth < b.depth; });
+    most = std::max(most, hits[k].size());
+  }
+  double light[pixel_places];  // that reaches the layer
+  std::fill(light, light + pixel_places, 1.0);
+  constexpr double no_light = 1e-12;
+  for (std::size_t layer = 0; layer < most; ++layer) {
+    double before = 0.0, taken = 0.0, depth = 0.0;
+    Eigen::Vector4d color = Eigen::Vector4d::Zero();
+    for (int k = 0; k < pixel_places; ++k) {
+      before += light[k] / pixel_places;
+      if (hits[k].size() <= layer) continue;
+      const Hit& hit = hits[k][layer];
+      const double alpha = light[k] * hit.color.w() / pixel_places;
+      color += light[k] * hit.color / pixel_places;
+      taken += alpha;
+      depth += alpha * hit.depth;
+      light[k] *= 1.0 - hit.color.w();
+    }
+    if (!(before > no_light)) break;
+    if (taken > 0.0) surfaces.push_back({color / before, depth / taken, 1.0});
+  }
+}
+
+}  // namespace swept::reference

@@ -1,0 +1,57 @@
+#include "abuffer/sources/placed_triangle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace swept {
+namespace {
+
+/// What depends linearly on the viewing ray.
+Linear on_film(const Eigen::Vector3d& v, const Projection& projection) {
+  const double a = v.x() / projection.focal_px, b = v.y() / projection.focal_px;
+  return {a, b, v.z() - (a * projection.center_x + b * projection.center_y)};
+}
+
+}  // namespace
+
+std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_t triangle) {
+  const Object& object = mesh.object();
+  const Eigen::Vector3d *corner[3], *const *p = corner;
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = &mesh.corner(triangle, i);
+  const Eigen::Vector3d normals[3] = {p[1]->cross(*p[2]), p[2]->cross(*p[0]), p[0]->cross(*p[1])};
+  const double volume = p[0]->dot(normals[0]);
+  if (!(std::abs(volume) > 0.0) || !std::isfinite(volume)) return std::nullopt;
+  // Counter-clockwise from the front: n·p < 0 there.
+  if (!object.two_sided && (volume < 0.0) == mesh.mirrored()) return std::nullopt;
+  PlacedTriangle placed;
+  const double side = volume > 0.0 ? 1.0 : -1.0;
+  double weight[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    Linear& edge = placed.edge[i];
+    edge = on_film(normals[i], mesh.projection());
+    const double scale = std::abs(edge.a) + std::abs(edge.b);
+    weight[i] = scale > 0.0 ? scale : 1.0;
+    edge = {side * edge.a / weight[i], side * edge.b / weight[i], side * edge.c / weight[i]};
+    placed.owns[i] = edge.a > 0.0 || (edge.a == 0.0 && edge.b > 0.0);
+  }
+  const double heaviest = std::max({weight[0], weight[1], weight[2]});
+  for (std::size_t i = 0; i < 3; ++i) placed.weight[i] = static_cast<float>(weight[i] / heaviest);
+  const Eigen::Vector3d sum = (normals[0] + normals[1] + normals[2]) / volume;
+  placed.inverse_depth = on_film(sum, mesh.projection());
+  placed.most_inverse = static_cast<float>(1.0 / mesh.near());
+  placed.cut = !(p[0]->z() >= mesh.near() && p[1]->z() >= mesh.near() && p[2]->z() >= mesh.near());
+  placed.plain = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t point = object.triangles[triangle][i];
+    const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
+    for (int c = 0; c < 3; ++c)
+      placed.rgba[i][c] = opacity * (object.cloud.color.empty() ? 1.0f : object.cloud.color[point][c]);
+    placed.rgba[i][3] = opacity;
+    placed.plain = placed.plain && std::equal(placed.rgba[i], placed.rgba[i] + 4, placed.rgba[0]);
+  }
+  return placed;
+}
+
+}  // namespace swept

@@ -1,0 +1,57 @@
+// Clouds from a caller's own arrays: nothing is copied that lies in memory as the renderers read it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "splat/export.h"
+#include "splat/result.h"
+#include "splat/splat_cloud.h"
+#include "splat/strided.h"
+#include "splat/surfel.h"
+
+namespace SWEPT_API swept {
+
+/// Discs as someone else keeps them. Arrays that are empty are not given; the others have an entry per point.
+///
+/// What is marked "viewed" is not copied, whatever its stride, if its first entry is aligned as its type is
+/// and the stride keeps it so: the cloud reads it where it lies, until the cloud and its copies are gone, and
+/// it must not change meanwhile. The rest is made into arrays of the cloud's own.
+struct SurfelArrays {
+  Strided<Eigen::Vector3d> position;             ///< viewed; this or position_single
+  Strided<Eigen::Vector3f> position_single;      ///< for those who have them in single precision
+  Strided<Eigen::Vector3f> axis_u, axis_v;       ///< viewed; as SurfelPose: both, or normal and radius
+  Strided<Eigen::Vector3f> normal;               ///< of any length but 0
+  Strided<float> radius;                         ///< at the kernel's cut-off, object units; one entry: of all
+  Strided<Eigen::Vector3f> velocity_per_frame;   ///< viewed; object units per frame
+  Strided<Eigen::Vector3f> velocity_per_second;  ///< or per second, with `frames_per_second`
+  double frames_per_second = 24.0;
+  double frame = 0.0;              ///< when points are at `position`
+  Strided<Eigen::Vector3f> color;  ///< viewed; linear Rec.709; none: white
+  Strided<float> opacity;          ///< viewed; [0, 1]; none: 1
+  /// a₁ × a₂, or the normal, is known to point outside: SurfelCloud::oriented of all.
+  bool oriented = false;
+};
+
+/// Gaussian splats as someone else keeps them: see SplatCloud for what they mean.
+struct SplatArrays {
+  Strided<Eigen::Vector3d> position;  ///< viewed; this or position_single
+  Strided<Eigen::Vector3f> position_single;
+  Strided<Eigen::Vector3f> scale;          ///< viewed; standard deviations, ≥ 0
+  Strided<Eigen::Vector4f> rotation_wxyz;  ///< of any length but 0
+  Strided<float> opacity;                  ///< viewed; [0, 1]
+  int degree = 0;
+  Strided<float> harmonics;                     ///< viewed if packed; as SplatCloud::harmonics
+  Strided<Eigen::Vector3f> velocity_per_frame;  ///< viewed
+  Strided<Eigen::Vector3f> velocity_per_second;
+  double frames_per_second = 24.0;
+  double frame = 0.0;
+  SplatFilter filter = SplatFilter::dilated;
+  SplatColors colors = SplatColors::srgb;
+};
+
+/// Errors: arrays that are missing, given twice or of different lengths, numbers that are not finite or out
+/// of range, not enough memory. The field is the array's name, with an index where one entry is at fault.
+[[nodiscard]] Result<SurfelCloud> cloud_from_arrays(const SurfelArrays& arrays) noexcept;
+[[nodiscard]] Result<SplatCloud> splats_from_arrays(const SplatArrays& arrays) noexcept;
+
+}  // namespace swept

@@ -1,0 +1,85 @@
+// Points on the lens: the spiral of Vogel 1979, "A better way to construct the sunflower head": radii of
+// equal areas, and the golden angle from one to the next.
+#include "splat/lens_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "splat/motion/instant.h"
+
+namespace swept {
+namespace {
+
+constexpr int least_chosen = 16, most_chosen = 1024;
+
+/// Of turns, that of the golden angle.
+constexpr double golden = 0.38196601125010515;
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> lens_points(const Aperture& aperture, int count) {
+  std::vector<Eigen::Vector2d> points;
+  if (count == 1) return {Eigen::Vector2d::Zero()};
+  points.reserve(static_cast<std::size_t>(count));
+  const auto on_circle = [&](double turns) {
+    const double angle = 2.0 * std::numbers::pi * turns + aperture.rotation_radians;
+    return Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  };
+  for (int i = 0; i < count; ++i) {
+    const double radius = aperture.radius * std::sqrt((i + 0.5) / count);
+    const double turns = i * golden - std::floor(i * golden);
+    if (aperture.blades == 0) {
+      points.emplace_back(radius * on_circle(turns));
+      continue;
+    }
+    // Evenly along the edges: a triangle from the middle to an edge is filled evenly then.
+    const double along = turns * aperture.blades, corner = std::floor(along);
+    const Eigen::Vector2d a = on_circle(corner / aperture.blades),
+                          b = on_circle((corner + 1) / aperture.blades);
+    points.emplace_back(radius * (a + (along - corner) * (b - a)));
+  }
+  return points;
+}
+
+double circle_of_confusion_px(double aperture, double focal_px, double focus, double z) {
+  return aperture * focal_px * std::abs(1.0 / z - 1.0 / focus);
+}
+
+int lens_point_count(const Scene& scene) {
+  const Aperture& aperture = scene.camera.aperture;
+  if (!(aperture.radius > 0.0)) return 1;
+  if (aperture.samples > 0) return aperture.samples;
+  const Exposure exposure = scene.exposure();
+  const CameraInstant camera = scene.camera.at(exposure.middle());
+  const Projection projection = projection_of(scene.film, camera);
+  double widest = 0.0;
+  for (const Object& object : scene.objects) {
+    const Instant middle = instant_at(scene, object, exposure, 0.5);
+    const SurfelsAt surfels(object.cloud, middle.frame);
+    for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+      const Eigen::Vector3d at = middle.to_camera(surfels[i].position);
+      if (!(at.z() >= scene.camera.near)) continue;
+      const double px =
+          circle_of_confusion_px(2.0 * aperture.radius, projection.focal_px, camera.lens.focus, at.z());
+      const double x = projection.center_x + projection.focal_px * at.x() / at.z();
+      const double y = projection.center_y + projection.focal_px * at.y() / at.z();
+      // Only what can be seen.
+      if (x > -0.5 * px && x < scene.film.width + 0.5 * px && y > -0.5 * px &&
+          y < scene.film.height + 0.5 * px)
+        widest = std::max(widest, px);
+    }
+  }
+  const double area = 0.25 * std::numbers::pi * widest * widest;
+  return static_cast<int>(std::clamp(std::ceil(area), double{least_chosen}, double{most_chosen}));
+}
+
+Status refuse_lens(const Scene& scene, std::string_view renderer) {
+  if (!(scene.camera.aperture.radius > 0.0)) return Done{};
+  return Error{"", "/camera/lens",
+               "the lens blurs what is out of focus, which " + std::string(renderer) + " does not do",
+               ErrorKind::unsupported};
+}
+
+}  // namespace swept

@@ -1,0 +1,180 @@
+#include "splat/motion/cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "splat/motion/path.h"
+
+namespace swept {
+namespace {
+
+/// Between two times at which a path is looked at nothing may turn farther, radians.
+constexpr double most_turn = 0.5 * std::numbers::pi;
+constexpr double most_spans = 1024.0;
+constexpr double rims_per_path = 2.5;
+
+/// Radians that the object, its discs and the camera turn by between two frames, or more.
+double turning(const Scene& scene, const Object& object, double spin, double first, double last) {
+  double turns = spin * (last - first);
+  const auto add = [&](const auto& keys, const auto& angle) {
+    for (std::size_t k = 1; k < keys.size(); ++k) {
+      const double from = std::max(keys[k - 1].frame, first), to = std::min(keys[k].frame, last);
+      if (from < to) turns += angle(keys[k - 1], keys[k]) * (to - from) / (keys[k].frame - keys[k - 1].frame);
+    }
+  };
+  add(object.transform.keys, [](const TransformKey& a, const TransformKey& b) {
+    return std::max(std::abs(b.rotate_radians - a.rotate_radians),
+                    a.rotate_axis == b.rotate_axis ? 0.0 : std::numbers::pi);
+  });
+  add(scene.camera.poses, [](const CameraKey& a, const CameraKey& b) {
+    return a.world_from_camera.angularDistance(b.world_from_camera);
+  });
+  add(scene.camera.look_ats, [](const LookAtKey& a, const LookAtKey& b) {
+    return std::max(std::numbers::pi, std::abs(b.roll_radians - a.roll_radians));
+  });
+  return turns;
+}
+
+}  // namespace
+
+PathCutter::PathCutter(const Scene& scene, const Object& object, const Exposure& exposure)
+    : scene_(scene),
+      object_(object),
+      exposure_(exposure),
+      projection_(projection_of(scene.film, scene.camera.at(exposure.middle()))),
+      middle_(place(0.5)) {
+  add_corners();
+  looks_.resize(spans_.size() - 1);
+}
+
+void PathCutter::add_corners() {
+  const SurfelCloud& cloud = object_.cloud;
+  const double open = exposure_.open, close = exposure_.close;
+  std::vector<double> frames = path_corners(cloud, open, close);
+  frames.push_back(open);
+  frames.push_back(close);
+  const auto add_keys = [&](const auto& keys) {
+    for (const auto& key : keys)
+      if (key.frame > open && key.frame < close) frames.push_back(key.frame);
+  };
+  add_keys(object_.transform.keys);
+  add_keys(scene_.camera.poses);
+  add_keys(scene_.camera.look_ats);
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  double spin = 0.0;
+  for (const Eigen::Vector3f& rate : cloud.angular_velocity)
+    spin = std::max(spin, rate.cast<double>().stableNorm());
+  // A curve of degree d has d − 2 points of inflexion: no more than two of them between two looks.
+  const double of_degree = std::ceil(static_cast<double>(path_degree(cloud)) / 4.0);
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+    const double turns = turning(scene_, object_, spin, frames[k], frames[k + 1]);
+    const double parts = std::min(std::max(of_degree, std::ceil(turns / most_turn)), most_spans);
+    const double first = exposure_.share_at(frames[k]), last = exposure_.share_at(frames[k + 1]);
+    for (double part = 0.0; part < parts; part += 1.0)
+      spans_.push_back(first + (last - first) * (part / parts));
+  }
+  spans_.push_back(1.0);
+}
+
+PathCutter::Place PathCutter::place(double time) const {
+  const Instant instant = instant_at(scene_, object_, exposure_, time);
+  return {instant, SurfelsAt(object_.cloud, instant.frame)};
+}
+
+const PathCutter::Place& PathCutter::at(std::size_t span, int index) {
+  auto& looks = looks_[span];
+  if (looks.empty()) looks.resize((1u << finest) + 1u);
+  auto& look = looks[static_cast<std::size_t>(index)];
+  if (!look) {
+    const double share = static_cast<double>(index) / (1 << finest);
+    look = std::make_unique<Place>(place(spans_[span] + share * (spans_[span + 1] - spans_[span])));
+  }
+  return *look;
+}
+
+PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
+  const SurfelInstant surfel = place.surfels[i];
+  return {place.instant.to_camera(surfel.position), place.instant.to_camera_direction(surfel.axis_u),
+          place.instant.to_camera_direction(surfel.axis_v)};
+}
+
+/// Pixels per unit of camera space; 0 where nothing is seen, give or take a frame.
+double PathCutter::visible_scale(const Eigen::Vector3d& center) const {
+  if (!(center.z() > scene_.camera.near)) return 0.0;
+  const double scale = projection_.focal_px / center.z();
+  const double x = projection_.center_x - 0.5 * scene_.film.width + center.x() * scale;
+  const double y = projection_.center_y - 0.5 * scene_.film.height + center.y() * scale;
+  return std::abs(x) <= scene_.film.width && std::abs(y) <= scene_.film.height ? scale : 0.0;
+}
+
+// What is not a number is cut no further.
+bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const {
+  const Eigen::Vector3d chord = first.center + share * (last.center - first.center);
+  return !((chord - truth.center).norm() * visible_scale(truth.center) > tolerance_px_);
+}
+
+bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
+  const double turned = std::max((end.axis_u - middle.axis_u).norm(), (end.axis_v - middle.axis_v).norm());
+  return !(turned * visible_scale(middle.center) > rims_per_path * tolerance_px_);
+}
+
+bool PathCutter::is_one_segment(std::size_t i) {
+  const Seen middle = see(i, middle_);
+  const Seen first = see(i, at(0, 0)), last = see(i, at(looks_.size() - 1, 1 << finest));
+  if (!near_chord(first, middle, last, 0.5) || !near_middle(first, middle) || !near_middle(last, middle))
+    return false;
+  for (std::size_t span = 0; span < looks_.size(); ++span)
+    for (int quarter = span == 0 ? 1 : 0; quarter < 4; ++quarter) {
+      const double time = spans_[span] + 0.25 * quarter * (spans_[span + 1] - spans_[span]);
+      const Seen truth = see(i, at(span, quarter << (finest - 2)));
+      if (!near_chord(first, truth, last, time) || !near_middle(truth, middle)) return false;
+    }
+  segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v});
+  return true;
+}
+
+void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, const Seen& first,
+                       const Seen& last) {
+  const int half = (end - begin) / 2, quarter = half / 2;
+  const Seen middle = see(i, at(span, begin + half));
+  bool whole =
+      near_chord(first, middle, last, 0.5) && near_middle(first, middle) && near_middle(last, middle);
+  if (whole)
+    whole = near_chord(first, see(i, at(span, begin + quarter)), last, 0.25) &&
+            near_chord(first, see(i, at(span, end - quarter)), last, 0.75);
+  if (!whole && end - begin > 1 << (finest - most_halvings)) {
+    halve(i, span, begin, begin + half, first, middle);
+    halve(i, span, begin + half, end, middle, last);
+    return;
+  }
+  const auto time = [&](int index) {
+    if (index == 1 << finest) return spans_[span + 1];  // the very number that the next span begins with
+    return spans_[span] + static_cast<double>(index) / (1 << finest) * (spans_[span + 1] - spans_[span]);
+  };
+  segments_.push_back(
+      {time(begin), time(end), first.center, middle.center, last.center, middle.axis_u, middle.axis_v});
+}
+
+const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_px) {
+  tolerance_px_ = tolerance_px;
+  segments_.clear();
+  if (is_one_segment(i)) return segments_;
+  for (std::size_t span = 0; span < looks_.size(); ++span)
+    halve(i, span, 0, 1 << finest, see(i, at(span, 0)), see(i, at(span, 1 << finest)));
+  return segments_;
+}
+
+bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exposure) {
+  if (stands_still(scene, object, exposure) || object.discs() == 0) return false;
+  if (exposure.row_delay != 0.0) return true;
+  return object.segments == 0 && scene.model.segments == 0 &&
+         (object.cloud.curved() || scene.motion.tolerance_px > 0.0);
+}
+
+double path_tolerance_px(const Scene& scene) {
+  return scene.motion.tolerance_px > 0.0 ? scene.motion.tolerance_px : 0.1;
+}
+
+}  // namespace swept

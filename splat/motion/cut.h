@@ -1,0 +1,72 @@
+// Cutting one point's path through camera space into linear segments, as many as it needs itself (model
+// section 7). Source: Gribel et al. 2013, section 5, which cuts by a tolerance on the film.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "splat/export.h"
+#include "splat/motion/instant.h"
+
+namespace SWEPT_API swept {
+
+/// A stretch of a point's path, camera space. Times are shares of the light, 0 to 1.
+struct PathSegment {
+  double begin = 0.0, end = 1.0;
+  Eigen::Vector3d first, middle, last;  ///< centres
+  Eigen::Vector3d axis_u, axis_v;       ///< in the middle
+};
+
+/// Cuts the points of one object. Not for several threads at once.
+class PathCutter {
+ public:
+  /// The scene and the object must outlive it. Segments run over `exposure`, all rows alike.
+  PathCutter(const Scene& scene, const Object& object, const Exposure& exposure);
+
+  /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
+  /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 2.5 times
+  /// that from where it is in the middle; else halves of it, down to 256 between two corners of the path.
+  /// Valid until the next call.
+  const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
+
+ private:
+  struct Place {
+    Instant instant;
+    SurfelsAt surfels;
+  };
+  struct Seen {
+    Eigen::Vector3d center, axis_u, axis_v;
+  };
+  static constexpr int finest = 10;  ///< halvings of a span at which paths are looked at
+  static constexpr int most_halvings = 8;
+
+  [[nodiscard]] Place place(double time) const;
+  [[nodiscard]] Seen see(std::size_t i, const Place& place) const;
+  const Place& at(std::size_t span, int index);
+  [[nodiscard]] bool near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const;
+  [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle) const;
+  [[nodiscard]] double visible_scale(const Eigen::Vector3d& center) const;
+  bool is_one_segment(std::size_t i);
+  void halve(std::size_t i, std::size_t span, int begin, int end, const Seen& first, const Seen& last);
+  void add_corners();
+
+  const Scene& scene_;
+  const Object& object_;
+  Exposure exposure_;
+  Projection projection_;
+  double tolerance_px_ = 0.1;
+  std::vector<double> spans_;                               ///< 0, corners, 1
+  std::vector<std::vector<std::unique_ptr<Place>>> looks_;  ///< by span, at 2¹⁰ + 1 times, where asked for
+  Place middle_;
+  std::vector<PathSegment> segments_;
+};
+
+/// Whether build_kernels() cuts `object` point by point, and not all points alike.
+[[nodiscard]] bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exposure);
+
+/// The tolerance that it does so with, px.
+[[nodiscard]] double path_tolerance_px(const Scene& scene);
+
+}  // namespace swept

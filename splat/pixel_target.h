@@ -1,0 +1,26 @@
+// An image into memory that the caller has: a texture, a frame of a viewer, a part of a larger picture.
+#pragma once
+
+#include <cstddef>
+
+#include "splat/export.h"
+#include "splat/image.h"
+#include "splat/result.h"
+
+namespace SWEPT_API swept {
+
+/// Rows of pixels of floats, red first. Strides may be negative: a picture stored from the bottom up begins
+/// at its last row.
+struct PixelTarget {
+  float* data = nullptr;  ///< red of the upper left pixel
+  int width = 0, height = 0;
+  int channels = 4;                       ///< 3: red, green, blue; 4: alpha too
+  std::ptrdiff_t pixel_stride_bytes = 0;  ///< 0: pixels lie side by side
+  std::ptrdiff_t row_stride_bytes = 0;    ///< 0: so do rows
+};
+
+/// Writes the image's window, as it is, linear and premultiplied, and nothing else of the target. Errors:
+/// sizes that differ, channels other than 3 or 4, no memory given; nothing is written then.
+[[nodiscard]] Status copy_pixels(const Image& image, const PixelTarget& target) noexcept;
+
+}  // namespace swept

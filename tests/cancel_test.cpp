@@ -1,0 +1,159 @@
+// A render that is stopped returns soon, whatever it is doing. Measured in CPU time of one thread, which
+// other programs on the machine do not change: no more than 100 ms may pass from the request to the return.
+#include <ctime>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "abuffer/abuffer.h"
+#include "abuffer/layers.h"
+#include "abuffer/reference/reference.h"
+#include "abuffer/sampled.h"
+#include "small_scenes.h"
+
+namespace swept {
+namespace {
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(NDEBUG)
+constexpr double most_seconds = 3.0;  // such builds are slower by up to 30 times
+#else
+constexpr double most_seconds = 0.1;
+#endif
+
+double cpu_seconds(clockid_t clock) {
+  timespec time;
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+Scene large_scene() {
+  Scene scene = test::stage();
+  scene.film = {960, 540, 0, 0, 0, 0};
+  Object& object = scene.objects.emplace_back(test::checkered_sphere(1.2, 300000));
+  object.cloud.velocity.assign(object.cloud.size(), {1.0f, 0.3f, 0.2f});
+  return scene;
+}
+
+Scene large_splat_scene() {
+  Scene scene = test::stage();
+  scene.film = {960, 540, 0, 0, 0, 0};
+  SplatCloud& splats = scene.objects.emplace_back().splats;
+  test::Random random(5);
+  for (int i = 0; i < 100000; ++i) {
+    splats.position.push_back(random.vector(-1.5, 1.5));
+    splats.scale.push_back(Eigen::Vector3f::Constant(0.02f));
+    splats.rotation.push_back(Eigen::Quaternionf::Identity());
+    splats.opacity.push_back(0.5f);
+    splats.velocity.push_back(random.vector(-1.0, 1.0).cast<float>());
+  }
+  splats.harmonics.assign(3 * splats.size(), 0.5f);
+  return scene;
+}
+
+using Render = std::function<ErrorKind(const RenderControl&)>;
+
+template <class Call>
+Render kind_of(const Call& call) {
+  return [call](const RenderControl& control) {
+    const auto result = call(control);
+    return result ? ErrorKind::argument : result.error().kind;
+  };
+}
+
+/// The CPU time of a render by one thread from a stop that comes after `before` seconds of it; negative: it
+/// had ended by then.
+double seconds_after_stop(const Render& render, double before) {
+  std::stop_source stop;
+  RenderControl control;
+  control.threads = 1;
+  control.stop = stop.get_token();
+  std::atomic<bool> done{false};
+  std::atomic<ErrorKind> kind{ErrorKind::argument};
+  clockid_t clock;
+  std::atomic<bool> started{false};
+  std::atomic<double> returned{0.0};
+  std::jthread worker([&] {
+    pthread_getcpuclockid(pthread_self(), &clock);
+    started = true;
+    kind = render(control);
+    returned = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+    done = true;
+    done.notify_all();
+    // The clock of a thread is gone with it.
+    while (started) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  while (!started) std::this_thread::yield();
+  while (!done && cpu_seconds(clock) < before) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const double at_stop = cpu_seconds(clock);
+  const bool early = done;
+  stop.request_stop();
+  done.wait(false);
+  started = false;
+  worker.join();
+  if (early) return -1.0;
+  if (kind == ErrorKind::argument) return -1.0;  // it was as good as ready
+  EXPECT_EQ(kind, ErrorKind::cancelled);
+  return returned - at_stop;
+}
+
+void expect_soon(const char* name, const Render& render) {
+  double worst = 0.0;
+  int stopped = 0;
+  for (double before = 0.0; before < 1.2; before += before < 0.3 ? 0.03 : 0.15) {
+    const double seconds = seconds_after_stop(render, before);
+    if (seconds < 0.0) break;
+    ++stopped;
+    worst = std::max(worst, seconds);
+  }
+  EXPECT_GE(stopped, 3) << name;
+  EXPECT_LT(worst, most_seconds) << name;
+  std::printf("%s: %d stops, the latest after %.1f ms\n", name, stopped, 1e3 * worst);
+}
+
+TEST(Cancel, SampledRendersReturnSoon) {
+  const Scene discs = large_scene();
+  expect_soon("sampled", kind_of([&](const RenderControl& control) {
+                return render_sampled(discs, {.max_error_db = 80.0}, control);
+              }));
+}
+
+TEST(Cancel, RendersOfSplatsReturnSoon) {
+  const Scene splats = large_splat_scene();
+  expect_soon("sampled, splats", kind_of([&](const RenderControl& control) {
+                return render_sampled(splats, {.max_error_db = 80.0}, control);
+              }));
+}
+
+TEST(Cancel, ExactRendersReturnSoon) {
+  const Scene discs = large_scene();
+  expect_soon("exact",
+              kind_of([&](const RenderControl& control) { return render_abuffer(discs, {}, control); }));
+}
+
+TEST(Cancel, ReferencesReturnSoon) {
+  const Scene discs = large_scene();
+  expect_soon("reference", kind_of([&](const RenderControl& control) {
+                return render_reference(discs, {.samples = 1024}, control);
+              }));
+  expect_soon("reference, true path", kind_of([&](const RenderControl& control) {
+                return render_reference(discs, {.samples = 1024, .motion = ReferenceMotion::smooth}, control);
+              }));
+  const Scene splats = large_splat_scene();
+  expect_soon("reference, splats", kind_of([&](const RenderControl& control) {
+                return render_reference(splats, {.samples = 1024}, control);
+              }));
+}
+
+TEST(Cancel, LayersReturnSoon) {
+  const Scene discs = large_scene();
+  expect_soon("layers", kind_of([&](const RenderControl& control) {
+                return render_layers(discs, {true, true, true}, control);
+              }));
+}
+
+}  // namespace
+}  // namespace swept
