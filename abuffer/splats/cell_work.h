@@ -65,6 +65,24 @@ struct CellWork {
   /// Whether the i-th instant of this round is in the sums already.
   [[nodiscard]] bool has(int i) const { return has_middle && doublings == 0 && 2 * i + 1 == count; }
 
+  /// Estimates the error of the instants so far. `safety`: how much less than asked for is allowed, in
+  /// squares.
+  void judge(double safety) {
+    const SampledCell::Squares squares = sums->squares(cell);
+    if (estimate == nullptr)
+      estimate = std::make_unique<ErrorEstimate>(squares, count, ErrorEstimate::of_splats);
+    else
+      estimate->refine(squares, count);
+    if (forecast && doublings == 0) {
+      // Of what jumps besides splats that change their order: trained scenes that were tried begin to show it
+      // from some 62 dB on.
+      constexpr double jumps = 5.6e-7;
+      const double values = 3.0 * cell.width * cell.height;
+      estimate->foresee(forecast->expected(estimate->seen() / values, jumps / safety) * values);
+    }
+    expected_squares = estimate->squares();
+  }
+
   void double_instants() {
     sums->alternate_from_sums();
     count *= 2;

@@ -134,7 +134,8 @@ double CellForecast::expected(double seen, double jumps) const {
   return std::max(smooth * fall + rest * fall_of_surprise, std::min(fall_of_jumps * seen, jumps));
 }
 
-std::optional<CellForecast> ErrorForecast::of(const Cell& cell, double allowed_mean_square) const {
+std::optional<CellForecast> ErrorForecast::of(const Cell& cell, std::size_t index,
+                                              double allowed_mean_square) const {
   std::vector<Line> lines;
   std::size_t looked = 0, beyond = 0;
   constexpr int first = line_pitch_px / 2 - 1;
@@ -156,7 +157,8 @@ std::optional<CellForecast> ErrorForecast::of(const Cell& cell, double allowed_m
     if (known[k] >= 0.0) return known[k];
     known[k] = 0.0;
     for (const Line& line : lines) known[k] += line.squares(counts[k], dilation_px2_);
-    return known[k] /= 3.0 * static_cast<double>(looked - beyond);
+    known[k] /= 3.0 * static_cast<double>(looked - beyond);
+    return known[k] += motion_.jumps_of(index) / (double{1.0} * counts[k] * counts[k]);
   };
   const auto enough = [&](std::size_t k) { return margin * mean_square(k) <= allowed_mean_square; };
   // The least that is enough: between `few` and `many`.

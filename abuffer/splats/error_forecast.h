@@ -35,9 +35,10 @@ class ErrorForecast {
   ErrorForecast(const FilmStill& still, const FilmMotion& motion, double dilation_px2)
       : still_(still), motion_(motion), dilation_px2_(dilation_px2) {}
 
-  /// The least instants that a cell is expected to take to `allowed_mean_square`. Nothing where the ways
-  /// leave the film, or where more than 161 would be wanted.
-  [[nodiscard]] std::optional<CellForecast> of(const Cell& cell, double allowed_mean_square) const;
+  /// The least instants that a cell, `index` of the grid, is expected to take to `allowed_mean_square`.
+  /// Nothing where the ways leave the film, or where more than 161 would be wanted.
+  [[nodiscard]] std::optional<CellForecast> of(const Cell& cell, std::size_t index,
+                                               double allowed_mean_square) const;
 
  private:
   const FilmStill& still_;

@@ -26,16 +26,20 @@ class FilmMotion {
     float spread = 0.0f;  ///< the same in standard deviations of what moves
   };
 
-  /// Follows every splat of `sets` that moves. `standing` are placed. Runs in the caller's task arena.
+  /// Follows every splat of `sets` that moves. Runs in the caller's task arena.
   FilmMotion(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
-             const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
+             const SplatMath& math, const CellGrid& grid);
+
+  /// Looks for spread(). `standing` are placed, in the whole film.
+  void look_for_spreads(const Scene& scene, const Exposure& exposure, const std::vector<SplatPackets>& sets,
+                        const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
 
   /// Whether anything moves in a cell at any time of the exposure, perhaps.
   [[nodiscard]] bool moves(std::size_t cell) const { return touched_[cell] != 0; }
   /// What few of its pixels exceed at the exposure's ends and in its middle: √(Σ α T r²), r the motion of a
   /// splat in its own standard deviations. Of every fourth pixel each way.
   [[nodiscard]] float spread(std::size_t cell) const { return spread_[cell]; }
-  /// Looks for ways() at an instant.
+  /// Looks for ways() and jumps at an instant.
   void look_for_ways(const Scene& scene, const std::vector<SplatPackets>& sets, double frame,
                      const SplatRow& standing, const SplatMath& math, const CellGrid& grid);
   /// Of what was finest at a pixel of the film then, or comes by before or after.
@@ -44,6 +48,8 @@ class FilmMotion {
                          : ways_[static_cast<std::size_t>(y / pitch_px) * way_columns_ +
                                  static_cast<std::size_t>(x / pitch_px)];
   }
+  /// What changes of depth order make of the N-instants' mean square in a cell, times N².
+  [[nodiscard]] double jumps_of(std::size_t cell) const { return jumps_of_.empty() ? 0.0 : jumps_of_[cell]; }
   /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
   [[nodiscard]] bool jumps() const { return jumps_; }
   /// The longest way of a splat on the film, px, and the same in its standard deviations.
@@ -51,22 +57,40 @@ class FilmMotion {
   [[nodiscard]] float fastest_spread() const { return fastest_spread_; }
 
  private:
-  /// What a splat does: its way from open to close, as long as its path is.
-  using Ways = std::vector<Way>;
-  enum class Look { spreads, ways };
+  /// What a splat does: its way from open to close, as long as its path is, and its depths then; 0: unseen.
+  struct Path {
+    Way way;
+    float first_depth = 0.0f, last_depth = 0.0f;
+  };
+  using Paths = std::vector<Path>;
+  enum class Look { spreads, ways, first_order, last_order };
 
   void follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set, const SplatMath& math,
-              const CellGrid& grid, Ways& ways);
-  void look(const Scene& scene, const std::vector<SplatPackets>& sets, double frame, const SplatRow& standing,
-            const SplatMath& math, const CellGrid& grid, Look what);
+              const CellGrid& grid, Paths& paths);
+  /// A splat at an instant on a film of one of every few pixels, and how many standard deviations a pixel is.
+  struct CoarseSplat {
+    PlacedSplat splat;
+    Path path;
+    float per_px;
+    bool disc;
+  };
+
+  [[nodiscard]] std::vector<CoarseSplat> gather(const Scene& scene, const std::vector<SplatPackets>& sets,
+                                                double frame, const SplatRow& standing,
+                                                const SplatMath& math) const;
+  void draw(const Scene& scene, const std::vector<CoarseSplat>& seen, const SplatMath& math,
+            const CellGrid& grid, Look what);
   void take_spreads(const SplatTile& tile, int x, int y, const CellGrid& grid);
+  void take_order(const SplatTile& tile, int x, int y, const CellGrid& grid, bool linear, Look which);
   void take_ways(const SplatTile& tile, int x, int y);
   void spread_ways(const Film& film);
 
   std::vector<char> touched_;
   std::vector<float> spread_;
-  std::vector<Ways> of_sets_;
-  std::vector<Way> ways_;  ///< of every few pixels, whole tiles
+  std::vector<Paths> of_sets_;
+  std::vector<Way> ways_;      ///< of every few pixels, whole tiles
+  std::vector<float> colors_;  ///< the same in the order that splats have first, linear
+  std::vector<double> jumps_of_;
   std::size_t way_columns_ = 0;
   bool jumps_ = false;
   float fastest_px_ = 0.0f, fastest_spread_ = 0.0f;

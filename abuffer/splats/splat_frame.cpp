@@ -96,7 +96,8 @@ class SplatFrame {
 
   void plan();
   void begin_cells();
-  void forecast();
+  void forecast(const SplatRow& standing);
+  void count_without_forecast(const SplatRow& standing);
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
@@ -132,9 +133,7 @@ void SplatFrame::begin_cells() {
   const bool any_moves =
       std::any_of(sets_.begin(), sets_.end(), [](const SplatPackets& set) { return set.moves; });
   if (any_moves && !exposure_.instant())
-    motion_ = std::make_unique<FilmMotion>(scene_, exposure_, sets_, standing_, math_, grid_);
-  // With time to spend the first look is a coarse one.
-  const double first_db = options_.max_seconds > 0.0 ? 30.0 : options_.max_error_db;
+    motion_ = std::make_unique<FilmMotion>(scene_, exposure_, sets_, math_, grid_);
   double moving_px = 0.0;
   for (std::size_t c = 0; c < grid_.size(); ++c) {
     CellWork work;
@@ -149,9 +148,6 @@ void SplatFrame::begin_cells() {
       work.adaptive = options_.samples == 0;
       work.estimated = work.adaptive || options_.error_channel;
       work.count = options_.samples;
-      if (work.adaptive)
-        work.count = std::max(first_instants(surface_px, first_db),
-                              splats_move ? first_splat_instants(motion_->spread(c), first_db) : 2);
     }
     cells_.push_back(std::move(work));
   }
@@ -167,9 +163,8 @@ void SplatFrame::begin_cells() {
 }
 
 /// How many instants cells take by what a still shows, and that still as one of them.
-void SplatFrame::forecast() {
+void SplatFrame::forecast(const SplatRow& standing) {
   const std::vector<char> all(grid_.size(), 1), none(grid_.size(), 0);
-  const SplatRow standing(scene_, sets_, false, exposure_.open, math_, grid_, all);
   // Where what is in front in the middle is too fast for the film, another time may show what is behind.
   for (const double share : {0.5, 1.0 / 6.0}) {
     const double frame = exposure_.at(share);
@@ -182,21 +177,40 @@ void SplatFrame::forecast() {
     parallel_for_each_index(cells_.size(), [&](std::size_t c) {
       CellWork& work = cells_[c];
       if (!work.adaptive || work.forecast || surfaces_->motion_px(work.index) > 0.0f) return;
-      work.forecast = errors.of(work.cell, safety_ * allowed_mean_square_);
+      work.forecast = errors.of(work.cell, work.index, safety_ * allowed_mean_square_);
       if (work.forecast) work.count = work.forecast->count;
     });
     std::size_t open = 0;
     for (const CellWork& work : cells_) open += work.adaptive && !work.forecast ? 1 : 0;
     if (4 * open <= cells_.size()) break;
   }
-  for (CellWork& work : cells_)
-    if (work.adaptive) work.count |= 1;
+}
+
+/// By how far splats move in their own standard deviations, and discs.
+void SplatFrame::count_without_forecast(const SplatRow& standing) {
+  if (motion_ != nullptr) motion_->look_for_spreads(scene_, exposure_, sets_, standing, math_, grid_);
+  // With time to spend the first look is a coarse one.
+  const double first_db = options_.max_seconds > 0.0 ? 30.0 : options_.max_error_db;
+  for (CellWork& work : cells_) {
+    if (!work.adaptive || work.forecast) continue;
+    const bool splats_move = motion_ != nullptr && motion_->moves(work.index);
+    work.count = std::max(first_instants(surfaces_->motion_px(work.index), first_db),
+                          splats_move ? first_splat_instants(motion_->spread(work.index), first_db) : 2);
+    if (work.has_middle) work.count |= 1;
+  }
 }
 
 /// How many instants each cell begins with.
 void SplatFrame::plan() {
   begin_cells();
-  if (motion_ != nullptr && options_.samples == 0 && options_.max_seconds == 0.0) forecast();
+  if (options_.samples == 0 && !exposure_.instant()) {
+    const SplatRow standing(scene_, sets_, false, exposure_.open, math_, grid_,
+                            std::vector<char>(grid_.size(), 1));
+    if (motion_ != nullptr && options_.max_seconds == 0.0) forecast(standing);
+    if (std::any_of(cells_.begin(), cells_.end(),
+                    [](const CellWork& work) { return work.adaptive && !work.forecast; }))
+      count_without_forecast(standing);
+  }
   std::size_t splats = 0;
   for (const SplatPackets& set : sets_) splats += set.moves ? set.splats : 0;
   share_instants(cells_, splats);
@@ -312,18 +326,7 @@ void SplatFrame::finish(CellWork& work) {
 /// Stores a cell that is good enough, and doubles one that is not.
 void SplatFrame::finish_round(CellWork& work) {
   if (work.estimated && work.count > 1) {
-    const SampledCell::Squares squares = work.sums->squares(work.cell);
-    if (work.estimate == nullptr)
-      work.estimate = std::make_unique<ErrorEstimate>(squares, work.count, ErrorEstimate::of_splats);
-    else
-      work.estimate->refine(squares, work.count);
-    if (work.forecast && work.doublings == 0) {
-      // Trained scenes that were tried begin to show jumps from some 62 dB on.
-      constexpr double jumps = 5.6e-7;
-      const double px = 3.0 * work.cell.width * work.cell.height;
-      work.estimate->foresee(work.forecast->expected(work.estimate->seen() / px, jumps / safety_) * px);
-    }
-    work.expected_squares = work.estimate->squares();
+    work.judge(safety_);
   }
   if (!work.adaptive) return finish(work);
   if (options_.max_seconds > 0.0) {
