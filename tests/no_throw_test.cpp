@@ -165,20 +165,23 @@ TEST(NoThrow, WhenMemoryRunsOutWhileFilesAreReadAndWritten) {
   std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
                         "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
   expect_no_throw("read_points", [&] { return end_of(read_points(ply)); });
-  expect_no_throw("list_sequence", [&] { return end_of(list_sequence(folder / "a.####.ply")); });
-  expect_no_throw("scene_of_points", [&] { return end_of(scene_of_points(ply, folder / ".")); });
-  const std::string scenes = std::string(SWEPT_SCENES) + "/";
-  expect_no_throw("read_splats", [&] { return end_of(read_splats(scenes + "dandelion.splat")); });
-  expect_no_throw("read_scene_file", [&] { return end_of(read_scene_file(scenes + "both_ends.json")); });
+  const std::string sequence = folder / "a.####.ply", here = folder / ".";
+  expect_no_throw("list_sequence", [&] { return end_of(list_sequence(sequence)); });
+  expect_no_throw("scene_of_points", [&] { return end_of(scene_of_points(ply, here)); });
+  const std::string scene = std::string(SWEPT_SCENES) + "/both_ends.json",
+                    splats = std::string(SWEPT_SCENES) + "/dandelion.splat";
+  const Generator generator = generate;
+  expect_no_throw("read_splats", [&] { return end_of(read_splats(splats)); });
+  expect_no_throw("read_scene_file", [&] { return end_of(read_scene_file(scene)); });
   SceneOverrides few;
   few.points_scale = 0.01;
   expect_no_throw("scene_at", [&] {
-    Result<SceneFile> file = read_scene_file(scenes + "both_ends.json", few);
+    Result<SceneFile> file = read_scene_file(scene, few);
     if (!file) return end_of(file);
-    return end_of(file->scene_at(1.0, generate));
+    return end_of(file->scene_at(1.0, generator));
   });
   expect_no_throw("hash", [&] {
-    Result<SceneFile> file = read_scene_file(scenes + "both_ends.json", few);
+    Result<SceneFile> file = read_scene_file(scene, few);
     if (!file) return end_of(file);
     return end_of(file->hash(1.0));
   });

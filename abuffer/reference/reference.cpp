@@ -169,7 +169,7 @@ Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, c
               whole.image.depth.begin() + static_cast<std::ptrdiff_t>(first));
     const double error = rendered->statistics.counter("reference_error_rmse").value_or(0.0);
     squares += error * error;
-    if (control.progress) control.progress(static_cast<double>(y + 1 - window.y) / window.height);
+    if (control.progress) call_back(control.progress, static_cast<double>(y + 1 - window.y) / window.height);
   }
   const double error = std::sqrt(squares / window.height);
   whole.statistics.count("samples", options.samples);

@@ -368,9 +368,12 @@ Result<Rendered> render_splat_reference(const Scene& scene, const SplatReference
     if (Status status = validate(scene, options); !status) return status.error();
     RenderControl threads = control;
     threads.threads = options.threads;
-    return run_in_arena(
+    Result<Rendered> rendered = run_in_arena(
         threads, [&]() -> Result<Rendered> { return render(scene, options, control); },
         "to render the reference");
+    if (rendered && control.log)
+      for (const std::string& effect : rendered->statistics.effects) call_back(control.log, effect);
+    return rendered;
   });
 }
 

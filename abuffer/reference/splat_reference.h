@@ -22,7 +22,7 @@ struct SplatReferenceOptions {
 ///
 /// Statistics: "samples" N, "splats", and "fragments": places where a splat was blended into a pixel.
 ///
-/// Of `control` its stop and progress are looked at. Errors: options or scene out of range, discs in the
+/// Of `control` stop, progress and log are looked at. Errors: options or scene out of range, discs in the
 /// scene, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_splat_reference(const Scene& scene,
                                                       const SplatReferenceOptions& options,

@@ -69,7 +69,7 @@ class SplatFrame {
     parallel_for_each_index(cells_.size(), [&](std::size_t i) {
       if (cells_[i].waiting) finish(cells_[i]);
     });
-    if (control_.progress && told_ < 1.0) control_.progress(1.0);
+    if (control_.progress && told_ < 1.0) call_back(control_.progress, 1.0);
     out.statistics.time("cells", watch.lap());
     describe(out.statistics);
     for (const CellWork& work : cells_)
@@ -371,7 +371,7 @@ void SplatFrame::tell(double more) {
   // Cells that are doubled add to what was planned.
   const double share = options_.max_seconds > 0.0 ? std::min(0.99, begun_.so_far() / options_.max_seconds)
                                                   : std::min(1.0, drawn_ / std::max(1.0, planned_));
-  if (share > told_) control_.progress(told_ = share);
+  if (share > told_) call_back(control_.progress, told_ = share);
 }
 
 void SplatFrame::describe(Statistics& s) const {

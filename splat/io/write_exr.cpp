@@ -2,6 +2,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <new>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -180,6 +181,8 @@ Status write_exr(const std::string& path, const Image& image, const ImageMetadat
       FileStream stream(path, file->stream());
       write_pixels(stream, image, metadata, pixels);
       return file->commit(existing);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& problem) {
       return Error{path, "", std::string("cannot be written: ") + problem.what(), ErrorKind::device};
     }
