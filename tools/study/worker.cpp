@@ -105,6 +105,8 @@ Scene for_warming_up(const Scene& scene) {
     cut(cloud.lifetime);
     cut(cloud.color);
     cut(cloud.opacity);
+    cut(cloud.oriented);
+    object.triangles.clear();
   }
   return few;
 }
