@@ -8,10 +8,11 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/export.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// Most points that a lens is looked through.
 inline constexpr int most_lens_points = 4096;

@@ -3,11 +3,12 @@
 
 #include <utility>
 
+#include "splat/export.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 /// The same picture of a film that has the overscan within it: focal length and principal point stay where
 /// they are, in pixels. A copy of the whole scene. Throws std::bad_alloc.
