@@ -36,7 +36,7 @@ def arrays(count=2000):
     normals = positions.astype(np.float32)
     up = np.array([0.3, 0.4, 0.5], dtype=np.float32)
     u = np.cross(normals, up)
-    u = (u / np.linalg.norm(u, axis=1, keepdims=True) * 0.06).astype(np.float32)
+    u = (u / np.linalg.norm(u, axis=1, keepdims=True) * 0.12).astype(np.float32)
     v = np.cross(normals, u).astype(np.float32)
     velocities = np.tile(np.array([0.4, 0.1, 0], dtype=np.float32), (count, 1))
     colors = (0.5 + 0.5 * normals).astype(np.float32)
