@@ -154,8 +154,12 @@ Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, c
     row.background = scene.background;
     RenderControl quiet = control;
     quiet.progress = {};
-    Result<Rendered> rendered = render({[&](double tau) -> const KernelSet& { return rebuild(tau, of_row); },
-                                        of_row.instant(), "the true path, row by row"},
+    Result<Rendered> rendered = render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
+                                          return rebuild(tau, point, of_row);
+                                        },
+                                        of_row.instant(),
+                                        "the true path, row by row",
+                                        {Eigen::Vector2d::Zero()}},
                                        row, options, quiet);
     if (!rendered) return rendered;
     const auto width = static_cast<std::size_t>(window.width),
