@@ -157,12 +157,7 @@ Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, c
     Result<Rendered> rendered = render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
                                           return rebuild(tau, point, of_row);
                                         },
-<<<<<<< HEAD
                                         of_row.instant(), "the true path, row by row",
-=======
-                                        of_row.instant(),
-                                        "the true path, row by row",
->>>>>>> h3
                                         {Eigen::Vector2d::Zero()}},
                                        row, options, quiet);
     if (!rendered) return rendered;
