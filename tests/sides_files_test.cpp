@@ -18,13 +18,15 @@ class Files : public testing::Test {
   }
 
   /// Of the one object of a scene with this text in its "objects" entry.
-  [[nodiscard]] PointArray<std::uint8_t> oriented(const std::string& object) const {
+  [[nodiscard]] std::vector<std::uint8_t> oriented(const std::string& object) const {
     auto file = scene(R"("keys": [{"eye": [0, 0, 5], "target": [0, 0, 0]}])", object);
     EXPECT_TRUE(file.ok()) << file.error().message();
     if (!file.ok()) return {9};
     const Result<const Scene*> loaded = file->scene_at(1.0, generate);
     EXPECT_TRUE(loaded.ok()) << loaded.error().message();
-    return loaded.ok() ? (*loaded)->objects.at(0).cloud.oriented : PointArray<std::uint8_t>{9};
+    if (!loaded.ok()) return {9};
+    const auto& known = (*loaded)->objects.at(0).cloud.oriented;
+    return {known.begin(), known.end()};
   }
   [[nodiscard]] Result<SceneFile> scene(const std::string& camera, const std::string& object = "") const {
     return scene_from_text(R"({"swept": 1, "camera": {"fov": {"axis": "vertical", "degrees": 40}, )" +

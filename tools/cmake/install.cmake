@@ -33,7 +33,7 @@ install(CODE "
   set(folder \"${CMAKE_INSTALL_INCLUDEDIR}/swept\")
   set(headers \"${swept_headers}\")
   include(\"${CMAKE_CURRENT_LIST_DIR}/install_headers.cmake\")")
-install(FILES ${swept_build_include}/swept/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/swept)
+install(FILES ${PROJECT_BINARY_DIR}/include/swept/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/swept)
 
 set(swept_pc_splat_requires "eigen3 >= 3.4")
 set(swept_pc_abuffer_requires "swept-splat = ${PROJECT_VERSION}")

@@ -1,5 +1,6 @@
 #include "tools/study/worker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -104,7 +105,11 @@ Scene for_warming_up(const Scene& scene) {
     cut(cloud.angular_velocity);
     cut(cloud.lifetime);
     cut(cloud.color);
+    cut(cloud.oriented);
     cut(cloud.opacity);
+    std::erase_if(object.triangles, [](const Triangle& t) {
+      return std::any_of(t.begin(), t.end(), [](std::uint32_t corner) { return corner >= points; });
+    });
   }
   return few;
 }
