@@ -199,9 +199,11 @@ class Renderer {
       double squares = 0.0;
       for (const std::size_t row : rows) {
         renderer.begin(bins_->cell(row), bins_->packets(row));
-        for (int k = 0; k < count; ++k)
+        for (int k = 0; k < count; ++k) {
+          throw_if_stopped(control_.stop);
           renderer.add(*table.at(2 * k + 1, 2 * count, bins_->cell(row).y),
                        count > 1 ? estimating_weights(k, count) : InstantWeights{});
+        }
         std::optional<ErrorEstimate> estimate;
         if (count > 1) squares += estimate.emplace(renderer.squares(), count).squares();
         const std::size_t i = window_index[row];
@@ -227,6 +229,7 @@ class Renderer {
     const bool estimated =
         motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
+      throw_if_stopped(control_.stop);
       InstantWeights weights;
       if (estimated) weights = estimating_weights(k, cell.count);
       renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
@@ -240,7 +243,10 @@ class Renderer {
     const auto points = static_cast<int>(lens_.size());
     const int instants = (cell.count + points - 1) / points;
     for (int point = 0; point < points; ++point)
-      for (int k = 0; k < instants; ++k) renderer.add(*table.through_lens(point, k, instants), {});
+      for (int k = 0; k < instants; ++k) {
+        throw_if_stopped(control_.stop);
+        renderer.add(*table.through_lens(point, k, instants), {});
+      }
     cell.instants = cell.count = points * instants;
   }
 
@@ -254,6 +260,7 @@ class Renderer {
     renderer.alternate_from_sums(count);
     const int added = at_ends ? count + 1 : count;
     for (int k = 0; k < added; ++k) {
+      throw_if_stopped(control_.stop);
       const float w = at_ends && (k == 0 || k == count) ? 0.5f : 1.0f;
       renderer.add(at_ends ? *table.at(k, count, row) : *table.at(2 * k + 1, 2 * count, row),
                    {w, -w, 0.0f, 0.0f});
