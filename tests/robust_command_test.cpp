@@ -230,10 +230,11 @@ TEST_F(RobustCommand, ShellsCompleteCommandsAndOptions) {
     EXPECT_NE(script.out.find("--skip-existing"), std::string::npos);
     EXPECT_EQ(script.out.find("study-worker"), std::string::npos);
   }
-  put(folder_ / "try.sh", swept("completion bash").out +
-                              "COMP_WORDS=(swept rend); COMP_CWORD=1; _swept; echo ${COMPREPLY[@]}\n"
-                              "COMP_WORDS=(swept render --overw); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n"
-                              "COMP_WORDS=(swept info sce); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n");
+  put(folder_ / "try.sh",
+      swept("completion bash").out +
+          "COMP_WORDS=(swept rend); COMP_CWORD=1; _swept; echo ${COMPREPLY[@]}\n"
+          "COMP_WORDS=(swept render --overw); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n"
+          "COMP_WORDS=(swept info sce); COMP_CWORD=2; _swept; echo ${COMPREPLY[@]}\n");
   EXPECT_EQ(run_command("cd '" + folder_ / "" + "' && bash try.sh").out, "render\n--overwrite\nscene.json\n");
   EXPECT_EQ(swept("completion fish").exit_code, 2);
 }

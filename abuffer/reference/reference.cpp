@@ -157,7 +157,8 @@ Result<Rendered> render_rows(const Rebuild& rebuild, const Exposure& exposure, c
     Result<Rendered> rendered = render({[&](double tau, const Eigen::Vector2d& point) -> const KernelSet& {
                                           return rebuild(tau, point, of_row);
                                         },
-                                        of_row.instant(), "the true path, row by row",
+                                        of_row.instant(),
+                                        "the true path, row by row",
                                         {Eigen::Vector2d::Zero()}},
                                        row, options, quiet);
     if (!rendered) return rendered;
