@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "splat/io/cloud_scene.h"
 #include "splat/io/read_splats.h"
 #include "tests/packed_bytes.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 
@@ -119,6 +121,54 @@ TEST(SogTest, EveryNumberIsWhereItBelongs) {
     }
     EXPECT_EQ(cloud.filter, SplatFilter::dilated);
   }
+}
+
+TEST(SogTest, UnpackedItIsTheSame) {
+  const test::TemporaryFolder folder;
+  const Made made = Made().with_harmonics();
+  const auto put = [&](const std::string& name, const std::string& bytes) {
+    test::put(folder / name, bytes);
+  };
+  put("means_l.webp", made.low);
+  put("means_u.webp", made.high);
+  put("quats.webp", made.quats);
+  put("scales.webp", made.scales);
+  put("sh0.webp", made.colors);
+  put("shN_centroids.webp", made.centroids);
+  put("shN_labels.webp", made.labels);
+  put("meta.json", made.meta());
+  const std::string meta = folder / "meta.json";
+  const Result<LoadedSplats> bundle = io::read_sog("a.sog", made.bytes(), {}), loose = read_splats(meta);
+  ASSERT_TRUE(loose.ok()) << loose.error().message();
+  EXPECT_EQ(loose->splats.position, bundle->splats.position);
+  EXPECT_EQ(loose->splats.opacity, bundle->splats.opacity);
+  EXPECT_EQ(loose->splats.harmonics, bundle->splats.harmonics);
+  EXPECT_TRUE(holds_splats(meta));
+
+  // It stands for all of its images.
+  Result<SceneFile> scene = read_scene_or_points(meta, {});
+  ASSERT_TRUE(scene.ok()) << scene.error().message();
+  const std::string before = *scene->hash(1.0);
+  put("sh0.webp", Made::image(2, 2, 78, 200));
+  EXPECT_NE(*read_scene_or_points(meta, {})->hash(1.0), before);
+
+  // Only what lies beside it is opened.
+  for (const char* name : {"../sh0.webp", "/etc/passwd", "..", ""}) {
+    std::string elsewhere = made.meta();
+    elsewhere.replace(elsewhere.find("sh0.webp"), 8, name);
+    put("meta.json", elsewhere);
+    const Result<LoadedSplats> refused = read_splats(meta);
+    ASSERT_FALSE(refused.ok()) << name;
+    EXPECT_EQ(refused.error().file, meta);
+    EXPECT_EQ(refused.error().reason, "must be the name of a file beside meta.json") << name;
+  }
+  std::string missing = made.meta();
+  missing.replace(missing.find("sh0.webp"), 8, "sh1.webp");
+  put("meta.json", missing);
+  EXPECT_EQ(read_splats(meta).error().field, "sh1.webp");
+  // A scene may have that name.
+  put("meta.json", R"({"swept": 1, "means": 3})");
+  EXPECT_FALSE(holds_splats(meta));
 }
 
 TEST(SogTest, WhatMayBeThere) {

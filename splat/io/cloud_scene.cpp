@@ -70,20 +70,21 @@ Result<Brightness> brightness_of(const std::string& path, bool skip_invalid) {
 }
 
 /// Of trained splats; those that hardly show are no reason to stand far away, unless there are no others.
-Status look_at_splats(const std::string& path, Sample& sample) {
+Status look_at_splats(const std::string& path, bool skip_invalid, Sample& sample) {
   SplatReadOptions options;
-  options.skip_invalid = true;
+  options.skip_invalid = skip_invalid;
   const Result<LoadedSplats> loaded = read_splats(path, options);
   if (!loaded) return loaded.error();
   const SplatCloud& splats = loaded->splats;
   constexpr float seen = 0.1f;
   const std::size_t step = (splats.size() + most_points - 1) / most_points;
+  const std::size_t before = sample.points.size();
   for (const float least : {seen, 0.0f}) {
-    if (!sample.points.empty()) break;
+    if (sample.points.size() > before) break;
     for (std::size_t i = 0; i < splats.size(); i += step)
       if (splats.opacity[i] >= least) sample.points.push_back(splats.position[i]);
   }
-  sample.dropped = loaded->report.dropped;
+  sample.dropped += loaded->report.dropped;
   sample.colors = sample.gaussians = true;
   sample.properties = loaded->report.unread;
   return Done{};
@@ -124,7 +125,7 @@ Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
   Sample sample;
   if (!is_sequence(path)) {
     if (draw == DrawAs::splats || (!draw && holds_splats(path))) {
-      if (const Status status = look_at_splats(path, sample); !status) return status.error();
+      if (const Status status = look_at_splats(path, true, sample); !status) return status.error();
       return sample;
     }
     if (const Status status = look_at(path, true, sample); !status) return status.error();
@@ -132,10 +133,13 @@ Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
   }
   const Result<std::vector<NumberedFile>> files = list_sequence(path);
   if (!files) return files.error();
+  const bool splats = draw == DrawAs::splats || (!draw && holds_splats(files->front().path));
   const std::size_t looks = std::min(files->size(), most_files);
   for (std::size_t i = 0; i < looks; ++i) {
     const NumberedFile& file = (*files)[looks == 1 ? 0 : i * (files->size() - 1) / (looks - 1)];
-    if (const Status status = look_at(file.path, false, sample); !status) return status.error();
+    const Status status =
+        splats ? look_at_splats(file.path, false, sample) : look_at(file.path, false, sample);
+    if (!status) return status.error();
     sample.numbers.push_back(file.number);
   }
   sample.first = files->front().number;

@@ -1,12 +1,18 @@
-// The SOG format of PlayCanvas, version 2, bundled: a zip archive of meta.json and lossless images, a pixel
-// per splat. Source: the specification in PlayCanvas' user manual, "The SOG Format", and splat-transform's
-// reader.
+// The SOG format of PlayCanvas, version 2: meta.json and lossless images, a pixel per splat, in a zip archive
+// or beside each other in a folder. Source: the specification in PlayCanvas' user manual, "The SOG Format",
+// and splat-transform's reader.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "splat/io/file_bytes.h"
 #include "splat/io/guarded.h"
 #include "splat/io/json_node.h"
 #include "splat/io/json_text.h"
@@ -24,10 +30,18 @@ constexpr std::size_t palette_columns = 64, most_palette = 65536;
 
 using Codebook = std::array<double, codebook_size>;
 
+/// A file of the bundle by its name, of at most so many bytes. Errors without file and field.
+using Member = std::function<Result<std::string>(const std::string& name, std::size_t most)>;
+
 class Reader {
  public:
-  Reader(const std::string& path, std::string_view bytes, const SplatReadOptions& options)
-      : path_(path), packed_bytes_(bytes.size()), options_(options), zip_(open(path, bytes)), meta_(meta()) {}
+  /// `packed_bytes` in all files together.
+  Reader(const std::string& path, std::size_t packed_bytes, Member member, const SplatReadOptions& options)
+      : path_(path),
+        packed_bytes_(packed_bytes),
+        options_(options),
+        member_(std::move(member)),
+        meta_(meta()) {}
 
   Result<LoadedSplats> read() {
     const JsonNode root(meta_, path_);
@@ -64,14 +78,8 @@ class Reader {
   }
 
  private:
-  static ZipFile open(const std::string& path, std::string_view bytes) {
-    Result<ZipFile> zip = ZipFile::open(bytes);
-    if (!zip) throw named(zip.error(), path, "");
-    return *std::move(zip);
-  }
-
   nlohmann::json meta() const {
-    const Result<std::string> text = zip_.read("meta.json", most_meta_bytes);
+    const Result<std::string> text = member_("meta.json", most_meta_bytes);
     if (!text) throw named(text.error(), path_, "meta.json");
     Result<nlohmann::json> meta = parse_json(path_, *text);
     if (!meta) throw meta.error();
@@ -85,7 +93,7 @@ class Reader {
     if (files.elements().size() != of) files.fail("must list " + std::to_string(of) + " files");
     const JsonNode name = files.at(which);
     // Even noise takes little more than its pixels.
-    const Result<std::string> bytes = zip_.read(name.string(), 5 * most + 4096);
+    const Result<std::string> bytes = member_(name.string(), 5 * most + 4096);
     if (!bytes) throw named(bytes.error(), path_, name.string());
     Result<ByteImage> read = read_webp(*bytes, least, most);
     if (!read) throw named(read.error(), path_, name.string());
@@ -209,7 +217,7 @@ class Reader {
   const std::string& path_;
   std::size_t packed_bytes_;
   const SplatReadOptions& options_;
-  ZipFile zip_;
+  Member member_;
   nlohmann::json meta_;
   std::size_t count_ = 0, palette_size_ = 0, palette_width_ = 0;
   int degree_ = 0;
@@ -220,11 +228,76 @@ class Reader {
   std::vector<float> palette_;  ///< numbers of the centroids, four per pixel
 };
 
+/// What stands beside meta.json. Nothing else is opened, whatever that says.
+Result<std::string> file_beside(const std::filesystem::path& folder, const std::string& name,
+                                std::size_t most) {
+  const std::filesystem::path file(name);
+  if (!file.has_filename() || file != file.filename() || name == ".." || name == ".")
+    return Error{"", "", "must be the name of a file beside meta.json"};
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(folder / file, code);
+  if (!code && size > most) return Error{"", "", "is larger than " + std::to_string(most) + " bytes"};
+  Result<std::string> bytes = read_bytes((folder / file).string());
+  if (!bytes) return Error{"", "", bytes.error().reason, bytes.error().kind};
+  return bytes;
+}
+
 }  // namespace
 
 Result<LoadedSplats> read_sog(const std::string& path, std::string_view bytes,
                               const SplatReadOptions& options) {
-  return guarded(path, [&] { return Reader(path, bytes, options).read(); });
+  return guarded(path, [&]() -> Result<LoadedSplats> {
+    const Result<ZipFile> zip = ZipFile::open(bytes);
+    if (!zip) return named(zip.error(), path, "");
+    return Reader(
+               path, bytes.size(),
+               [&](const std::string& name, std::size_t most) { return zip->read(name, most); }, options)
+        .read();
+  });
+}
+
+Result<LoadedSplats> read_sog_folder(const std::string& path, std::string_view meta,
+                                     const SplatReadOptions& options) {
+  return guarded(path, [&]() -> Result<LoadedSplats> {
+    std::size_t packed_bytes = meta.size();
+    std::error_code code;
+    for (const std::string& image : images_beside(path)) {
+      const std::uintmax_t size = std::filesystem::file_size(image, code);
+      if (!code) packed_bytes += static_cast<std::size_t>(size);
+    }
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    return Reader(
+               path, packed_bytes,
+               [&](const std::string& name, std::size_t most) -> Result<std::string> {
+                 if (name == "meta.json") return std::string(meta);
+                 return file_beside(folder, name, most);
+               },
+               options)
+        .read();
+  });
+}
+
+bool is_sog_meta(const std::string& path) {
+  if (std::filesystem::path(path).filename() != "meta.json") return false;
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) return false;
+  std::string head(std::size_t{1} << 16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  // A scene may have that name, too; it has its own version.
+  return head.find("\"means\"") != std::string::npos && head.find("\"swept\"") == std::string::npos;
+}
+
+std::vector<std::string> images_beside(const std::string& path) {
+  std::vector<std::string> images;
+  std::error_code code;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  for (std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, code), end;
+       !code && entry != end; entry.increment(code))
+    if (entry->path().extension() == ".webp") images.push_back(entry->path().string());
+  std::sort(images.begin(), images.end());
+  return images;
 }
 
 }  // namespace swept::io

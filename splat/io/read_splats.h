@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "splat/io/ply_header.h"
 #include "splat/io/splat_file.h"
@@ -30,5 +31,13 @@ namespace swept::io {
 
 [[nodiscard]] Result<LoadedSplats> read_sog(const std::string& path, std::string_view bytes,
                                             const SplatReadOptions& options);
+
+/// The same unpacked: `meta` is meta.json, beside which the images lie.
+[[nodiscard]] Result<LoadedSplats> read_sog_folder(const std::string& path, std::string_view meta,
+                                                   const SplatReadOptions& options);
+/// Whether the file is such a meta.json, by its name and what is in it.
+[[nodiscard]] bool is_sog_meta(const std::string& path);
+/// Images in the file's folder, in order.
+[[nodiscard]] std::vector<std::string> images_beside(const std::string& path);
 
 }  // namespace swept::io

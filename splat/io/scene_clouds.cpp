@@ -128,7 +128,7 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
     return Error{path_, source.pointer + (source.radius ? "/radius" : "/radius_scale"),
                  "means nothing to triangles, which have no discs"};
   if (io::draws_splats(source)) {
-    Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_.fps);
+    Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_);
     if (!loaded)
       return loaded.error().file.empty()
                  ? Error{path_, io::join_pointer(source.pointer, loaded.error().field), loaded.error().reason,

@@ -8,6 +8,7 @@
 
 #include "splat/io/content_hash.h"
 #include "splat/io/guarded.h"
+#include "splat/io/read_splats.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/source_files.h"
 
@@ -63,6 +64,12 @@ Result<std::string> SceneFile::hash_of(double frame) const {
       if (content.hash.empty() || content.changed != changed) {
         Result<std::string> digits = io::hash_file(key.path);
         if (!digits) return digits.error();
+        if (io::is_sog_meta(key.path))
+          for (const std::string& image : io::images_beside(key.path)) {
+            const Result<std::string> more = io::hash_file(image);
+            if (!more) return more.error();
+            *digits += *more;
+          }
         content = {changed, std::move(*digits)};
       }
       hash.add_part(shortest_text(key.frame));

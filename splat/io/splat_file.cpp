@@ -32,6 +32,7 @@ Reader reader_of(const std::string& path) {
   const std::string extension = extension_of(path);
   for (const auto& [name, reader] : readers)
     if (name == extension) return reader;
+  if (io::is_sog_meta(path)) return io::read_sog_folder;
   return nullptr;
 }
 
@@ -68,6 +69,7 @@ Result<LoadedSplats> read_splats(const std::string& path, const SplatReadOptions
     if (!read) {
       std::string known;
       for (const auto& [name, reader] : readers) (known += ' ') += name;
+      known += ", nor is it the meta.json of a .sog";
       return Error{path, "", "its extension is none of" + known, ErrorKind::unsupported};
     }
     return io::guarded(path, [&]() -> Result<LoadedSplats> {

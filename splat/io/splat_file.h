@@ -1,7 +1,7 @@
 // Gaussian splats as training programs and their viewers store them.
 //
 // Formats, by extension: .ply (3D and 2D Gaussian splats as they are trained, and packed by PlayCanvas),
-// .splat.
+// .splat, .spz, .sog (and the meta.json of one that was unpacked), .glb and .gltf.
 #pragma once
 
 #include <optional>
@@ -38,7 +38,8 @@ struct LoadedSplats {
   std::optional<SplatMotion> motion;  ///< of SpacetimeGaussians' PLY files, where asked for
 };
 
-/// Whether the name's extension is one of those that only splats have; .ply is not among them.
+/// Whether the name's extension is one of those that only splats have; .ply is not among them. So is the
+/// meta.json of a .sog that was unpacked, into which it looks.
 [[nodiscard]] bool is_splat_file_name(const std::string& path);
 
 /// Whether read_splats() is the reader for this file: its name says so, or it is a PLY file whose header
