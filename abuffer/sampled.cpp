@@ -241,7 +241,10 @@ class Renderer {
   /// Each point of the lens at instants of its own, as many in all as it takes or more.
   void begin_behind_lens(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
     const auto points = static_cast<int>(lens_.size());
-    const int instants = (cell.count + points - 1) / points;
+    // Of what moves a single instant for each point leaves the two too much to chance.
+    const int wanted =
+        options_.samples == 0 && cell.count > 1 ? std::max(cell.count, 2 * points) : cell.count;
+    const int instants = (wanted + points - 1) / points;
     for (int point = 0; point < points; ++point)
       for (int k = 0; k < instants; ++k) {
         throw_if_stopped(control_.stop);

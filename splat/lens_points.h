@@ -25,8 +25,8 @@ inline constexpr int most_lens_points = 4096;
 [[nodiscard]] double circle_of_confusion_px(double aperture, double focal_px, double focus, double z);
 
 /// How many points the scene's lens is looked through: 1 without one; as many as its aperture says; else
-/// about one for each pixel of the largest circle of confusion on the film at the middle of the exposure, at
-/// least 16 and at most 1024.
+/// eight for each pixel of the largest circle of confusion on the film at the middle of the exposure, at
+/// least 64 and at most 1024.
 [[nodiscard]] int lens_point_count(const Scene& scene);
 
 /// An error that names the lens, of a renderer that has none: "…, which `renderer` does not do".

@@ -199,9 +199,9 @@ TEST(Defocus, PointsAreChosenFromTheCircleOfConfusion) {
   Scene scene = speck();
   EXPECT_EQ(lens_point_count(scene), 1);
   open_lens(scene, 1.0, 4.0, 0);
-  EXPECT_EQ(lens_point_count(scene), 29);  // π/4 · 6²
+  EXPECT_EQ(lens_point_count(scene), 227);  // 8 · π/4 · 6²
   open_lens(scene, 1.0, 8.0, 0);
-  EXPECT_EQ(lens_point_count(scene), 16);
+  EXPECT_EQ(lens_point_count(scene), 64);
   open_lens(scene, 100.0, 4.0, 0);
   EXPECT_EQ(lens_point_count(scene), 1024);
   open_lens(scene, 1.0, 4.0, 7);

@@ -116,8 +116,8 @@ Json lens_schema() {
               {"blades", described(whole(3, 64), "Corners of the opening; by default it is round")},
               {"rotation", described(number(), "Of its first corner, clockwise from the right, degrees")},
               {"samples", described(whole(1, 4096),
-                                    "Points that the lens is looked through; by default about one for each "
-                                    "pixel of the largest circle of confusion, 16 to 1024")}}),
+                                    "Points that the lens is looked through; by default eight for each "
+                                    "pixel of the largest circle of confusion, 64 to 1024")}}),
       "Depth of field by a thin lens");
 }
 
