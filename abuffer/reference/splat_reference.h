@@ -5,12 +5,13 @@
 // Yu et al. 2023, Mip-Splatting (antialiased files); Huang et al. 2024, 2D Gaussian Splatting (discs).
 #pragma once
 
+#include "splat/export.h"
 #include "splat/render_control.h"
 #include "splat/rendered.h"
 #include "splat/result.h"
 #include "splat/scene.h"
 
-namespace swept {
+namespace SWEPT_API swept {
 
 struct SplatReferenceOptions {
   int samples = 256;  ///< N, still images averaged, [1, 2²⁰]
