@@ -14,13 +14,14 @@ namespace {
 /// A member of the object that means nothing to splats; empty: there is none.
 std::string disc_member(const ObjectSource& source, const Object& object) {
   const auto* file = std::get_if<FileSource>(&source.points);
-  const auto* sequence = std::get_if<SequenceSource>(&source.points);
-  const StoredColor& stored = file != nullptr ? file->stored : sequence->stored;
+  const auto& attributes =
+      file != nullptr ? file->attributes : std::get<SequenceSource>(source.points).attributes;
+  const StoredColor& stored = file != nullptr ? file->stored : std::get<SequenceSource>(source.points).stored;
   if (source.color || source.color_by_normals) return "color";
   if (source.radius) return "radius";
   if (source.radius_scale != 1.0) return "radius_scale";
   if (!object.two_sided || source.sideless) return "facing";
-  if (!(file != nullptr ? file->attributes : sequence->attributes).empty()) return "source/attributes";
+  if (!attributes.empty()) return "source/attributes";
   if (file != nullptr && !file->end_path.empty()) return "source/end_file";
   if (source.stamps) return "stamps";
   if (stored.range) return "source/color_range";

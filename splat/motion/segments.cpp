@@ -125,7 +125,7 @@ int most_segments(const Scene& scene, const Object& object, const Exposure& expo
   const std::size_t stride = (cloud.size() + sample_size - 1) / sample_size;
   std::size_t most = 1;
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (stride == 1 || mixed(cloud.keys.front().pose.position[i]) % stride == 0)
+    if (stride < 2 || mixed(cloud.keys.front().pose.position[i]) % stride == 0)
       most = std::max(most, cutter.cut(i, path_tolerance_px(scene)).size());
   return static_cast<int>(most);
 }
