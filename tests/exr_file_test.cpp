@@ -308,6 +308,16 @@ TEST(ReadExr, AHeaderThatPromisesTooMuchCostsNothing) {
     const Result<Image> read = read_exr(folder / "lying.exr");
     EXPECT_FALSE(read.ok()) << x << ", " << y;
   }
+  // An honest window for one of OpenEXR's readers, and another for the other.
+  std::string twice = honest;
+  std::string second = honest.substr(window, tag.size() + 16);
+  const int x = 500000000;
+  std::memcpy(&second[tag.size() + 8], &x, 4);
+  twice.insert(window + second.size(), second);
+  put(folder / "twice.exr", twice);
+  const Result<Image> read = read_exr(folder / "twice.exr");
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.error().field, "dataWindow");
   // The largest honest reading of the file is 64 MiB; the process itself takes far less than the rest.
   rusage usage{};
   ASSERT_EQ(getrusage(RUSAGE_SELF, &usage), 0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -45,6 +47,8 @@ class HeaderReader {
     return true;
   }
 
+  /// The attribute that stands in a header twice, if that is why they are not valid.
+  [[nodiscard]] const std::string& repeated() const { return repeated_; }
   /// Of what there is too much, if that is why the headers are not valid.
   [[nodiscard]] const std::string& excess() const { return excess_; }
 
@@ -56,10 +60,16 @@ class HeaderReader {
 
   bool header() {
     std::string name;
-    std::size_t attributes = 0;
+    std::set<std::string> names;
     while (text(name)) {
       if (name.empty()) return true;
-      if (++attributes > most_attributes) return too_many("attributes");
+      // One of OpenEXR's readers takes the first, the other the last: what one checks the other must not
+      // trust.
+      if (!names.insert(name).second) {
+        repeated_ = name;
+        return false;
+      }
+      if (names.size() > most_attributes) return too_many("attributes");
       if (!attribute()) return false;
     }
     return false;
@@ -108,7 +118,7 @@ class HeaderReader {
 
   std::ifstream file_;
   std::uint64_t bytes_;
-  std::string excess_;
+  std::string excess_, repeated_;
 };
 
 }  // namespace
@@ -116,6 +126,8 @@ class HeaderReader {
 Status check_exr_attributes(const std::string& path, std::uint64_t file_bytes) {
   HeaderReader reader(path, file_bytes);
   if (reader.valid()) return Done{};
+  if (!reader.repeated().empty())
+    return Error{path, printable(reader.repeated()), "stands in the header more than once"};
   if (!reader.excess().empty()) return Error{path, "", "has more " + reader.excess() + " than are read"};
   return Error{path, "", "not a readable OpenEXR file: its header is damaged"};
 }
