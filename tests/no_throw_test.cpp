@@ -121,7 +121,9 @@ void expect_no_throw(const char* name, const std::function<End()>& call, bool an
       const bool failed = allocations_left < 0 || for_good;
       const bool ran_out = for_good ? allocations_left == 0 : failed;
       allocations_left = -1;
-      if (!any_error) EXPECT_NE(end, End::other) << name << " at allocation " << left;
+      if (!any_error) {
+        EXPECT_NE(end, End::other) << name << " at allocation " << left;
+      }
       if (end != End::success) ++failures;
       if (!ran_out) break;
     }
