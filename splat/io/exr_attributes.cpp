@@ -61,8 +61,10 @@ class HeaderReader {
   bool header() {
     std::string name;
     std::set<std::string> names;
+    width_ = pixel_bytes_ = 0;
+    rows_ = 1;
     while (text(name)) {
-      if (name.empty()) return true;
+      if (name.empty()) return width_ * pixel_bytes_ * rows_ <= most_chunk_bytes() || too_many("pixels");
       // One of OpenEXR's readers takes the first, the other the last: what one checks the other must not
       // trust.
       if (!names.insert(name).second) {
@@ -70,12 +72,18 @@ class HeaderReader {
         return false;
       }
       if (names.size() > most_attributes) return too_many("attributes");
-      if (!attribute()) return false;
+      if (!attribute(name)) return false;
     }
     return false;
   }
 
-  bool attribute() {
+  /// Unpacked: far more than any of OpenEXR's coders makes of so many bytes, deflate's best being 1032 of
+  /// one.
+  [[nodiscard]] std::uint64_t most_chunk_bytes() const {
+    return std::max(std::uint64_t{64} << 20, 4096 * bytes_);
+  }
+
+  bool attribute(const std::string& name) {
     std::string type;
     std::uint32_t size = 0;
     if (!text(type) || !integer(size) || size > bytes_ - position()) return false;
@@ -84,6 +92,14 @@ class HeaderReader {
     if (fixed != std::end(fixed_sizes) && size != fixed->second) return false;
     const std::uint64_t end = position() + size;
     if (type == "chlist" && !channels(end)) return false;
+    if (name == "dataWindow" && type == "box2i" && !window()) return false;
+    if (name == "compression" && type == "compression") {
+      // By the coder's number: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+      constexpr std::uint64_t rows_of[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+      const int coder = file_.get();
+      if (coder < 0 || coder > 9) return false;
+      rows_ = rows_of[coder];
+    }
     file_.seekg(static_cast<std::streamoff>(end));
     return true;
   }
@@ -96,9 +112,22 @@ class HeaderReader {
     while (text(name)) {
       if (name.empty()) return position() == end;
       if (++channels > most_channels) return too_many("channels");
-      file_.seekg(channel_bytes, std::ios::cur);
+      std::uint32_t kind = 0;
+      if (!integer(kind)) return false;
+      pixel_bytes_ += kind == 1 ? 2 : 4;
+      file_.seekg(channel_bytes - 4, std::ios::cur);
     }
     return false;
+  }
+
+  bool window() {
+    std::uint32_t corner[4];
+    for (std::uint32_t& value : corner)
+      if (!integer(value)) return false;
+    const auto signed_of = [](std::uint32_t value) { return std::int64_t{static_cast<std::int32_t>(value)}; };
+    width_ = static_cast<std::uint64_t>(
+        std::max<std::int64_t>(0, signed_of(corner[2]) - signed_of(corner[0]) + 1));
+    return true;
   }
 
   bool text(std::string& value) {
@@ -118,6 +147,7 @@ class HeaderReader {
 
   std::ifstream file_;
   std::uint64_t bytes_;
+  std::uint64_t width_ = 0, pixel_bytes_ = 0, rows_ = 1;  ///< of the header that is read, rows of a chunk
   std::string excess_, repeated_;
 };
 
