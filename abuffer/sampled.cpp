@@ -131,6 +131,9 @@ class Renderer {
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
     allowed_mean_square_ = slack(moving_px / (cell_px * cell_px)) *
                            std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+    if (options_.max_cell_error_db > 0.0)
+      allowed_mean_square_ =
+          std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
   }
 
   /// body(i) for every cell of the window, until the render is stopped.
@@ -147,10 +150,7 @@ class Renderer {
     CellProgress& cell = progress_[i];
     if (options_.samples == 0 && cell.estimate) {
       const Cell area = bins_->cell(window_cells_[i]);
-      const double of_cell = options_.max_cell_error_db > 0.0
-                                 ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
-                                 : std::numeric_limits<double>::infinity();
-      const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * area.width * area.height;
+      const double allowed = allowed_mean_square_ * 3.0 * area.width * area.height;
       while (cell.squares() > allowed && cell.count < most_chosen_instants)
         double_instants(i, renderer, table);
     }
@@ -191,10 +191,7 @@ class Renderer {
         first = std::max(first,
                          first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
     }
-    const double of_cell = options_.max_cell_error_db > 0.0
-                               ? std::pow(10.0, -0.1 * options_.max_cell_error_db)
-                               : std::numeric_limits<double>::infinity();
-    const double allowed = std::min(allowed_mean_square_, of_cell) * 3.0 * px;
+    const double allowed = allowed_mean_square_ * 3.0 * px;
     for (int count = first;; count *= 2) {
       double squares = 0.0;
       for (const std::size_t row : rows) {

@@ -116,7 +116,6 @@ void MeshCell::add(const MeshInstant& mesh, const Cell& cell, std::size_t index,
     placed_.push_back(*placed);
     draw(*placed, *box, cell);
   }
-  fragments += fragments_.size();
   // Stable: within a pixel triangles keep the mesh's order.
   starts_.assign(cell_px * cell_px + 1, 0);
   for (const MeshFragment& fragment : fragments_) ++starts_[fragment.pixel + 1u];

@@ -19,8 +19,6 @@ class MeshCell {
   void add(const MeshInstant& mesh, const Cell& cell, std::size_t index,
            std::vector<SampledCell::Surface>& surfaces);
 
-  std::uint64_t fragments = 0;  ///< pairs of a triangle and a pixel in which it is met
-
  private:
   void draw(const PlacedTriangle& placed, const FilmBox& box, const Cell& cell);
   void draw_row(const PlacedTriangle& placed, int x_begin, int x_end, int y, const Cell& cell);

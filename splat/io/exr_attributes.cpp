@@ -64,7 +64,8 @@ class HeaderReader {
     width_ = pixel_bytes_ = 0;
     rows_ = 1;
     while (text(name)) {
-      if (name.empty()) return width_ * pixel_bytes_ * rows_ <= most_chunk_bytes() || too_many("pixels");
+      if (name.empty())
+        return width_ * pixel_bytes_ * rows_ <= most_chunk_bytes(bytes_) || too_many("pixels");
       // One of OpenEXR's readers takes the first, the other the last: what one checks the other must not
       // trust.
       if (!names.insert(name).second) {
@@ -75,12 +76,6 @@ class HeaderReader {
       if (!attribute(name)) return false;
     }
     return false;
-  }
-
-  /// Unpacked: far more than any of OpenEXR's coders makes of so many bytes, deflate's best being 1032 of
-  /// one.
-  [[nodiscard]] std::uint64_t most_chunk_bytes() const {
-    return std::max(std::uint64_t{64} << 20, 4096 * bytes_);
   }
 
   bool attribute(const std::string& name) {

@@ -22,10 +22,6 @@
 namespace swept {
 namespace {
 
-// Deflate, the densest of OpenEXR's coders, packs at most 1032 bytes into one.
-constexpr std::uint64_t kBestPacking = 4096;
-constexpr std::uint64_t kAlwaysFine = std::uint64_t{64} << 20;
-
 constexpr int kRowsPerStrip = 64;
 
 void stay_silent(exr_const_context_t, exr_result_t, const char*) {}
@@ -64,7 +60,7 @@ Status check_header(const std::string& path, std::uint64_t file_bytes, bool with
                  std::string("not a readable OpenEXR file: ") + exr_get_default_error_message(code)};
   }
   if (static_cast<std::uint64_t>(chunks) > file_bytes / sizeof(std::uint64_t) ||
-      chunk_bytes > std::max(kAlwaysFine, kBestPacking * file_bytes)) {
+      chunk_bytes > most_chunk_bytes(file_bytes)) {
     return Error{path, "dataWindow", "claims more pixels than a file of this size can hold"};
   }
   return Done{};
