@@ -64,7 +64,7 @@ class SplatFrame {
     out.statistics.time("motion", watch.lap());
     const auto unfinished = [](const CellWork& work) { return !work.done && !work.waiting; };
     do {
-      if (!render_round()) return Error{"", "", "the render was stopped", ErrorKind::cancelled};
+      if (!render_round()) return stopped_error();
     } while (std::any_of(cells_.begin(), cells_.end(), unfinished) || spend_more());
     parallel_for_each_index(cells_.size(), [&](std::size_t i) {
       if (cells_[i].waiting) finish(cells_[i]);
