@@ -49,8 +49,8 @@ struct FieldOption {
   [[nodiscard]] std::string type_name() const {
     std::string text;
     if (fields.front()->count != nullptr) {
-      const std::string name(fields.front()->numbers.front().name);
-      return name + separator + name + "[" + separator + "...]";
+      const std::string number(fields.front()->numbers.front().name);
+      return number + separator + number + "[" + separator + "...]";
     }
     for (const Field* field : fields) {
       for (const std::string_view word : field->words) (text += text.empty() ? "" : "|") += word;
