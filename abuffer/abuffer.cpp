@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
@@ -322,7 +321,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
     out.statistics.time("what stands still", watch.lap());
   }
 
-  tbb::enumerable_thread_specific<TileRenderer> renderers([&] {
+  PerThread<TileRenderer> renderers([&] {
     return TileRenderer(scene, set, shades, options, control.stop, standing ? &*standing : nullptr,
                         out.image);
   });

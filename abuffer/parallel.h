@@ -7,7 +7,10 @@
 
 #include <cstddef>
 
+#include <memory>
+
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
@@ -32,6 +35,11 @@
 #include "splat/without_throwing.h"
 
 namespace swept {
+
+/// A value for each thread of a loop. In memory of the standard allocator: oneTBB's own hands it from thread
+/// to thread in ways that ThreadSanitizer does not see.
+template <class Value>
+using PerThread = tbb::enumerable_thread_specific<Value, std::allocator<Value>>;
 
 #ifdef SWEPT_TSAN
 

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
@@ -88,8 +86,7 @@ class Renderer {
             : std::min(static_cast<std::size_t>(options_.implementation), maths.count - 1);
     InstantTable table = lens_.empty() ? InstantTable(scene_, exposure_, objects)
                                        : InstantTable(scene_, exposure_, objects, lens_);
-    tbb::enumerable_thread_specific<SampledCell> cells(
-        [&] { return SampledCell(scene_, objects, maths.first[which]); });
+    PerThread<SampledCell> cells([&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
     if (exposure_.row_delay != 0.0 && options_.samples == 0) {
       render_rows(cells, table);
@@ -159,7 +156,7 @@ class Renderer {
 
   /// Cells of a single row say too little about their error: those of a square share their number of
   /// instants, which begins anew when it doubles.
-  void render_rows(tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+  void render_rows(PerThread<SampledCell>& cells, InstantTable& table) {
     const std::size_t columns = static_cast<std::size_t>((scene_.film.width + cell_px - 1) / cell_px);
     const std::size_t squares_down = static_cast<std::size_t>((scene_.film.height + cell_px - 1) / cell_px);
     std::vector<std::size_t> window_index(bins_->cell_count(), bins_->cell_count());
@@ -279,7 +276,7 @@ class Renderer {
 
   /// Refines until so many seconds have passed since the render began. A doubling takes away most of a cell's
   /// squared error; so those cells go first that have most of it for the seconds that it takes.
-  void render_for(double seconds, tbb::enumerable_thread_specific<SampledCell>& cells, InstantTable& table) {
+  void render_for(double seconds, PerThread<SampledCell>& cells, InstantTable& table) {
     constexpr double coarse_db = 30.0;
     ProgressOf done(control_, 1);
     // One step of a cell, and what is kept of it.

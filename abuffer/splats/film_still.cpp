@@ -8,7 +8,7 @@ namespace swept {
 
 FilmStill draw_still(const CellGrid& grid, const SplatRow& standing, const SplatRow& moving,
                      FilmSurfaces& surfaces, const FilmSurfaces::Instant& objects,
-                     tbb::enumerable_thread_specific<SplatPainter>& painters, const std::vector<char>& keep,
+                     PerThread<SplatPainter>& painters, const std::vector<char>& keep,
                      std::vector<CellWork>& cells) {
   FilmStill still;
   still.width = grid.film.width, still.height = grid.film.height;

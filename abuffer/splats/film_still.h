@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
-
+#include "abuffer/parallel.h"
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/error_forecast.h"
 #include "abuffer/splats/film_surfaces.h"
@@ -15,7 +14,7 @@ namespace swept {
 /// `standing` and `moving` are placed, `objects` those of `surfaces` at that time.
 [[nodiscard]] FilmStill draw_still(const CellGrid& grid, const SplatRow& standing, const SplatRow& moving,
                                    FilmSurfaces& surfaces, const FilmSurfaces::Instant& objects,
-                                   tbb::enumerable_thread_specific<SplatPainter>& painters,
-                                   const std::vector<char>& keep, std::vector<CellWork>& cells);
+                                   PerThread<SplatPainter>& painters, const std::vector<char>& keep,
+                                   std::vector<CellWork>& cells);
 
 }  // namespace swept

@@ -4,8 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
-
+#include "abuffer/parallel.h"
 #include "abuffer/resolve/mesh_cell.h"
 #include "abuffer/resolve/sampled_cell.h"
 #include "abuffer/simd/sampled_math.h"
@@ -83,7 +82,7 @@ class FilmSurfaces {
   };
   std::vector<Mesh> meshes_;
   MeshMotion mesh_motion_;
-  tbb::enumerable_thread_specific<OfCell> cells_;
+  PerThread<OfCell> cells_;
 };
 
 }  // namespace swept

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
 #include "abuffer/parallel.h"
@@ -120,7 +119,7 @@ class SplatFrame {
   std::vector<CellWork> cells_;
   double allowed_mean_square_ = 0.0, safety_ = 1.0;
   Image* image_ = nullptr;
-  tbb::enumerable_thread_specific<SplatPainter> painters_;
+  PerThread<SplatPainter> painters_;
   std::size_t placed_instants_ = 0;
   Stopwatch begun_;
   double placing_seconds_ = 0.0;  ///< of a round
