@@ -39,6 +39,23 @@ Status validate(const TransformTrack& track) {
   return Done{};
 }
 
+Status validate_texture(const Object& object) {
+  if (!object.texture)
+    return object.texture_corners.empty() ? Status(Done{})
+                                          : bad("/texture_corners", "there is no texture for them");
+  if (object.triangles.empty()) return bad("/texture", "there are no triangles for it");
+  if (object.texture_corners.size() != object.triangles.size())
+    return bad("/texture_corners", "must be one for each of the " + std::to_string(object.triangles.size()) +
+                                       " triangles; there are " +
+                                       std::to_string(object.texture_corners.size()));
+  for (std::size_t t = 0; t < object.texture_corners.size(); ++t)
+    for (const Eigen::Vector2f& uv : object.texture_corners[t])
+      if (!(std::abs(uv.x()) <= most_texture_coordinate && std::abs(uv.y()) <= most_texture_coordinate))
+        return bad("/texture_corners/" + std::to_string(t), "must be between -1e6 and 1e6");
+  if (Status texture = object.texture->validate(); !texture) return within("/texture", texture.error());
+  return Done{};
+}
+
 Status validate(const Object& object) {
   if (Status cloud = object.cloud.validate(); !cloud) return within("/cloud", cloud.error());
   if (Status splats = object.splats.validate(); !splats) return within("/splats", splats.error());
@@ -47,13 +64,12 @@ Status validate(const Object& object) {
   if (!object.triangles.empty() && !object.cloud.lifetime.empty())
     return bad("/triangles",
                "lie between points that come and go; \"draw\": \"surfels\" has discs drawn instead");
-  if (!object.triangles.empty() && !object.cloud.lifetime.empty())
-    return bad("/triangles", "are between points that come and go");
   for (std::size_t t = 0; t < object.triangles.size(); ++t)
     for (const std::uint32_t corner : object.triangles[t])
       if (corner >= object.cloud.size())
         return bad("/triangles/" + std::to_string(t),
                    "names point " + std::to_string(corner) + " of " + std::to_string(object.cloud.size()));
+  if (Status texture = validate_texture(object); !texture) return texture;
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
     return bad("/segments",
@@ -130,6 +146,15 @@ Status refuse_triangles(const Scene& scene, std::string_view renderer) {
                    "is made of triangles, which " + std::string(renderer) +
                        " does not draw; --method sampled does, and \"draw\": \"surfels\" has its points "
                        "drawn as discs",
+                   ErrorKind::unsupported};
+  return Done{};
+}
+
+Status refuse_textures(const Scene& scene, std::string_view renderer) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (scene.objects[i].texture)
+      return Error{"", "/objects/" + std::to_string(i) + "/texture",
+                   "is not drawn by " + std::string(renderer) + "; --method sampled does",
                    ErrorKind::unsupported};
   return Done{};
 }

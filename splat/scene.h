@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "splat/exposure.h"
 #include "splat/splat_cloud.h"
 #include "splat/surfel.h"
+#include "splat/texture.h"
 
 namespace SWEPT_API swept {
 
@@ -95,6 +97,9 @@ struct Object {
   /// Between points of the cloud. Not empty: these are drawn in place of discs, with colours and opacities
   /// that change evenly from corner to corner (model section 15).
   std::vector<Triangle> triangles;
+  /// Of these, with their corners' places on it, one a triangle: multiplies colour and opacity. Both or none.
+  std::shared_ptr<const Texture> texture;
+  std::vector<TextureCorners> texture_corners;
   SplatCloud splats;  ///< empty, or the cloud is
   TransformTrack transform;
   bool two_sided =
@@ -137,5 +142,7 @@ struct Scene {
 [[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
 /// The same of triangles.
 [[nodiscard]] Status refuse_triangles(const Scene& scene, std::string_view renderer);
+/// The same of textures.
+[[nodiscard]] Status refuse_textures(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

@@ -179,6 +179,12 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
       ->check(CLI::IsMember({"splats", "surfels", "triangles"}))
       ->type_name("splats|surfels|triangles")
       ->group(scene_group);
+  command
+      .add_option(
+          "--texture", overrides->texture,
+          "Lay this PNG or EXR over what is drawn as triangles, by the texture coordinates of OBJ and PLY")
+      ->type_name("FILE")
+      ->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)
       ->group(scene_group);

@@ -205,7 +205,10 @@ Json object_schema() {
                                     {"zero", described(number(), "The stamp of the file's frame")},
                                     {"sensor", transform_schema()}}),
                             "Each point was seen at a time of its own: the file's attribute \"time\"")},
-       {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")}});
+       {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")},
+       {"texture",
+        described(text(),
+                  "A PNG or EXR that is laid over the triangles of a mesh that has texture coordinates")}});
 }
 
 }  // namespace

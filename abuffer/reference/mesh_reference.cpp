@@ -15,12 +15,29 @@ namespace {
 
 struct Hit {
   double depth = 0.0;
+  Eigen::Vector3d share;  ///< of the corners
   Eigen::Vector4d color;
 };
 
+/// The mean of the four texels about (u, v), by how near their middles are.
+Eigen::Vector4d texture_at(const Texture& texture, const Eigen::Vector2d& uv) {
+  const double x = uv.x() * texture.width, y = (1.0 - uv.y()) * texture.height;
+  const auto repeated = [](double index, int count) {
+    return static_cast<std::size_t>(index - count * std::floor(index / count));
+  };
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (double j = std::floor(y - 0.5); j <= std::floor(y - 0.5) + 1.0; j += 1.0)
+    for (double i = std::floor(x - 0.5); i <= std::floor(x - 0.5) + 1.0; i += 1.0) {
+      const double near_x = 1.0 - std::abs(x - (i + 0.5)), near_y = 1.0 - std::abs(y - (j + 0.5));
+      const std::size_t texel =
+          repeated(j, texture.height) * static_cast<std::size_t>(texture.width) + repeated(i, texture.width);
+      sum += near_x * near_y * texture.texels[texel].cast<double>();
+    }
+  return sum;
+}
+
 /// Möller and Trumbore 1997. The viewing ray begins at the eye.
-std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Eigen::Vector4d (&color)[3],
-                                 const Eigen::Vector3d& ray, double near) {
+std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Eigen::Vector3d& ray, double near) {
   const Eigen::Vector3d e1 = p[1] - p[0], e2 = p[2] - p[0], h = ray.cross(e2);
   const double a = e1.dot(h);
   if (a == 0.0) return std::nullopt;
@@ -32,13 +49,15 @@ std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Eigen::Vec
   if (!(v >= 0.0 && u + v <= 1.0)) return std::nullopt;
   const double depth = e2.dot(q) / a;
   if (!(depth >= near)) return std::nullopt;
-  return Hit{depth, (1.0 - u - v) * color[0] + u * color[1] + v * color[2]};
+  return Hit{depth, {1.0 - u - v, u, v}, {}};
 }
 
 }  // namespace
 
 MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
-    : projection_(projection_of(scene.film, scene.camera.at(frame))), near_(scene.camera.near) {
+    : projection_(projection_of(scene.film, scene.camera.at(frame))),
+      near_(scene.camera.near),
+      texture_(object.texture) {
   const Film& film = scene.film;
   const PixelBox window{film.crop_x, film.crop_y, film.crop_x + film.window_width(),
                         film.crop_y + film.window_height()};
@@ -46,7 +65,8 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
   const bool mirrored = (instant.camera_from_world * instant.world_from_object.linear()).determinant() < 0.0;
   first_row_ = window.y_begin;
   of_row_.resize(static_cast<std::size_t>(film.window_height()));
-  for (const Triangle& triangle : object.triangles) {
+  for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+    const Triangle& triangle = object.triangles[t];
     Corners corners;
     bool in_front = true;
     Eigen::Array2d low = Eigen::Array2d::Constant(1e30), high = -low;
@@ -58,6 +78,7 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
                               .cast<double>(),
           1.0;
       corners.color[i] *= double{opacity};
+      if (texture_) corners.uv[i] = object.texture_corners[t][i].cast<double>();
       in_front = in_front && corners.at[i].z() > near_;
       const Eigen::Array2d film_at =
           Eigen::Array2d(projection_.center_x, projection_.center_y) +
@@ -96,7 +117,14 @@ void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
     for (const std::uint32_t t : of_row_[static_cast<std::size_t>(y - first_row_)]) {
       const Corners& corners = triangles_[t];
       if (x < corners.box.x_begin || x >= corners.box.x_end) continue;
-      if (const auto hit = meet_triangle(corners.at, corners.color, ray, near_)) hits[k].push_back(*hit);
+      auto hit = meet_triangle(corners.at, ray, near_);
+      if (!hit) continue;
+      const Eigen::Vector3d& share = hit->share;
+      hit->color = share[0] * corners.color[0] + share[1] * corners.color[1] + share[2] * corners.color[2];
+      if (texture_)
+        hit->color = hit->color.cwiseProduct(texture_at(
+            *texture_, share[0] * corners.uv[0] + share[1] * corners.uv[1] + share[2] * corners.uv[2]));
+      hits[k].push_back(*hit);
     }
     std::stable_sort(hits[k].begin(), hits[k].end(),
                      [](const Hit& a, const Hit& b) { return a.depth < b.depth; });

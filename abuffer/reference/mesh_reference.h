@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,11 +23,13 @@ class MeshAt {
   struct Corners {
     Eigen::Vector3d at[3];     ///< camera space
     Eigen::Vector4d color[3];  ///< premultiplied
+    Eigen::Vector2d uv[3];     ///< on the texture, if there is one
     PixelBox box;              ///< contains every pixel that may show it
   };
 
   Projection projection_;
   double near_;
+  std::shared_ptr<const Texture> texture_;
   std::vector<Corners> triangles_;
   std::vector<std::vector<std::uint32_t>> of_row_;  ///< triangles, by the film's row less first_row_
   int first_row_;

@@ -22,6 +22,14 @@ struct Pixels {
   }
 };
 
+void lay_over(const Texture& texture, const MeshLayer& layer, MeshColors& colors) {
+  for (int k = 0; k < pixel_places; ++k) {
+    if (layer.triangle[k] < 0.0f) continue;
+    const Eigen::Vector4f texel = texture.at(colors.uv[0][k], colors.uv[1][k]);
+    for (int c = 0; c < 4; ++c) colors.rgba[c][k] *= texel[c];
+  }
+}
+
 }  // namespace
 
 void MeshCell::draw(const PlacedTriangle& placed, const FilmBox& box, const Cell& cell) {
@@ -66,7 +74,7 @@ void MeshCell::draw_row(const PlacedTriangle& placed, int x_begin, int x_end, in
 
 /// One pixel's surfaces, from the nearest: the k-th is what the places meet as their k-th, as a share of the
 /// light that those before it let through.
-void MeshCell::shade(const Cell& cell, std::size_t begin, std::size_t end,
+void MeshCell::shade(const Texture* texture, const Cell& cell, std::size_t begin, std::size_t end,
                      std::vector<SampledCell::Surface>& surfaces) const {
   const int x = sorted_[begin].pixel % cell_px, y = sorted_[begin].pixel / cell_px;
   const double film_x = cell.x + x + 0.5, film_y = cell.y + y + 0.5;
@@ -83,6 +91,7 @@ void MeshCell::shade(const Cell& cell, std::size_t begin, std::size_t end,
       if (t < 0.0f || std::find(next.triangle, next.triangle + k, t) != next.triangle + k) continue;
       math_.color(placed_.data(), static_cast<std::uint32_t>(t), film_x, film_y, next, colors);
     }
+    if (texture != nullptr) lay_over(*texture, next, colors);
     float seen[4] = {0.0f, 0.0f, 0.0f, 0.0f}, depth = 0.0f, after = 0.0f;
     for (int k = 0; k < pixel_places; ++k) {
       constexpr float per_place = 1.0f / pixel_places;
@@ -124,7 +133,7 @@ void MeshCell::add(const MeshInstant& mesh, const Cell& cell, std::size_t index,
   for (const MeshFragment& fragment : fragments_) sorted_[starts_[fragment.pixel]++] = fragment;
   for (std::size_t begin = 0; begin < sorted_.size();) {
     const std::size_t end = starts_[sorted_[begin].pixel];
-    shade(cell, begin, end, surfaces);
+    shade(mesh.object().texture.get(), cell, begin, end, surfaces);
     begin = end;
   }
 }

@@ -28,6 +28,8 @@ struct PlacedTriangle {
   bool cut;              ///< that may happen
   bool plain;            ///< all corners have the first one's colour
   float rgba[3][4];      ///< premultiplied
+  bool textured;         ///< uv[] matter
+  float uv[3][2];        ///< of the corners, on the texture
 };
 
 /// A triangle and a pixel of a cell.
@@ -43,9 +45,9 @@ struct MeshLayer {
   alignas(64) float triangle[pixel_places];       ///< whole numbers below 2²⁴; −1: none
 };
 
-/// Premultiplied.
 struct MeshColors {
-  alignas(64) float rgba[4][pixel_places];
+  alignas(64) float rgba[4][pixel_places];  ///< premultiplied, before any texture
+  alignas(64) float uv[2][pixel_places];    ///< of textured triangles
 };
 
 struct MeshMath {

@@ -88,16 +88,19 @@ void color_text(const PlacedTriangle* triangles, std::uint32_t t, double x, doub
       sum = sum + share[i];
     }
     const Mask known = zero < sum;
-    for (int c = 0; c < 4; ++c) {
-      const Vector first = all(triangle.rgba[0][c]);
-      Vector value = first;
-      if (!triangle.plain) {
-        value =
-            (share[0] * first + share[1] * all(triangle.rgba[1][c])) + share[2] * all(triangle.rgba[2][c]);
-        value = choose(known, value / choose(known, sum, all(1.0f)), first);
-      }
-      store(choose(here, value, load(colors.rgba[c] + at)), colors.rgba[c] + at);
-    }
+    const Vector divisor = choose(known, sum, all(1.0f));
+    const auto mix = [&](float a, float b, float c) {
+      const Vector value = (share[0] * all(a) + share[1] * all(b)) + share[2] * all(c);
+      return choose(known, value / divisor, all(a));
+    };
+    const auto put = [&](Vector value, float* to) { store(choose(here, value, load(to + at)), to + at); };
+    for (int c = 0; c < 4; ++c)
+      put(triangle.plain ? all(triangle.rgba[0][c])
+                         : mix(triangle.rgba[0][c], triangle.rgba[1][c], triangle.rgba[2][c]),
+          colors.rgba[c]);
+    if (triangle.textured)
+      for (int c = 0; c < 2; ++c)
+        put(mix(triangle.uv[0][c], triangle.uv[1][c], triangle.uv[2][c]), colors.uv[c]);
   }
 }
 

@@ -51,6 +51,14 @@ std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_
     placed.rgba[i][3] = opacity;
     placed.plain = placed.plain && std::equal(placed.rgba[i], placed.rgba[i] + 4, placed.rgba[0]);
   }
+  placed.textured = object.texture != nullptr;
+  if (placed.textured) {
+    const TextureCorners& corners = object.texture_corners[triangle];
+    // The picture repeats: near zero there are more digits.
+    const Eigen::Vector2f whole = corners[0].array().floor();
+    for (std::size_t i = 0; i < 3; ++i)
+      for (int c = 0; c < 2; ++c) placed.uv[i][c] = corners[i][c] - whole[c];
+  }
   return placed;
 }
 

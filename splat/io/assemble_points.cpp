@@ -231,7 +231,7 @@ constexpr std::uint32_t kDropped = std::numeric_limits<std::uint32_t>::max();
 Result<PointSet> assemble_points(const std::string& path, const std::vector<Column>& columns,
                                  const AttributePlan& plan, const Values& values,
                                  std::vector<std::array<std::uint32_t, 3>> triangles,
-                                 const ReadOptions& options) {
+                                 const ReadOptions& options, std::vector<TextureCorners> corners) {
   const std::size_t count = values[plan.position[0]].size();
   if (count == 0) return Error{path, "", "has no points"};
   if (count >= kDropped)
@@ -266,12 +266,17 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
   set.report.points = count;
   set.report.dropped = count - set.size();
   set.triangle = std::move(triangles);
+  set.texture_corners = std::move(corners);
   if (const std::size_t dropped = count - set.size(); dropped > 0) {
     for (auto& triangle : set.triangle) {
       for (std::uint32_t& corner : triangle) corner = index_of[corner];
     }
-    std::erase_if(set.triangle,
-                  [](const auto& t) { return std::find(t.begin(), t.end(), kDropped) != t.end(); });
+    const auto lost = [](const auto& t) { return std::find(t.begin(), t.end(), kDropped) != t.end(); };
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < set.texture_corners.size(); ++t)
+      if (!lost(set.triangle[t])) set.texture_corners[kept++] = set.texture_corners[t];
+    set.texture_corners.resize(kept);
+    std::erase_if(set.triangle, lost);
     set.notes.push_back("dropped " + std::to_string(dropped) + " of " + std::to_string(count) +
                         " points for numbers that are not finite");
   }

@@ -50,13 +50,15 @@ struct AttributePlan {
 void add_vector_columns(const std::string& name, double full_scale, std::vector<Column>& columns);
 
 /// Puts the set together. `values[c]` has one number per point for every needed column c. Triangles refer to
-/// the file's points; those that lose a corner to options.skip_invalid are dropped. Errors: no
-/// points, numbers that are not finite (or beyond single precision), negative radii, opacities outside [0,
-/// 1], options out of range. Intensities and ids that are no good are left unused, and the report says so.
+/// the file's points; those that lose a corner to options.skip_invalid are dropped, and what `corners` says
+/// of them (one a triangle, or none) with them. Errors: no points, numbers that are not finite (or beyond
+/// single precision), negative radii, opacities outside [0, 1], options out of range. Intensities and ids
+/// that are no good are left unused, and the report says so.
 [[nodiscard]] Result<PointSet> assemble_points(const std::string& path, const std::vector<Column>& columns,
                                                const AttributePlan& plan,
                                                const std::vector<std::vector<double>>& values,
                                                std::vector<std::array<std::uint32_t, 3>> triangles,
-                                               const ReadOptions& options);
+                                               const ReadOptions& options,
+                                               std::vector<TextureCorners> corners = {});
 
 }  // namespace swept

@@ -95,6 +95,10 @@ Status PointSet::validate() const {
     for (std::size_t i = 0; i < time.size(); ++i)
       if (!std::isfinite(time[i])) return Error{"", "time[" + std::to_string(i) + "]", "is not finite"};
     if (!id.empty() && id.size() != n) return wrong_count("id", id.size(), n);
+    if (!texture_corners.empty() && texture_corners.size() != triangle.size())
+      return Error{"", "texture_corners",
+                   "has " + std::to_string(texture_corners.size()) + " entries where there are " +
+                       std::to_string(triangle.size()) + " triangles"};
     return check_triangles(triangle, n);
   });
 }

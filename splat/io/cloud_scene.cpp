@@ -277,8 +277,10 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
                               const SceneOverrides& overrides) {
   if (overrides.up && (!overrides.up->allFinite() || overrides.up->isZero(0.0)))
     return Error{path, "up", "the up vector must be finite and not zero", ErrorKind::argument};
-  const Result<Sample> sample = sample_of(path, overrides.draw);
+  Result<Sample> sample = sample_of(path, overrides.draw);
   if (!sample) return sample.error();
+  // A texture is colour enough.
+  if (!overrides.texture.empty()) sample->colors = true;
   std::string file = path;
   if (!sample->numbers.empty()) {
     Result<std::string> first = find_in_sequence(path, sample->first);

@@ -28,6 +28,7 @@ void leave_rates(ReadOptions& options) {
 
 ReadOptions read_options(const CloudSource& source) {
   ReadOptions options;
+  options.texture = source.texture;
   options.attributes = source.attributes;
   options.delta = source.delta;
   options.skip_invalid = source.skip_invalid;
@@ -197,6 +198,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   }
   loaded.cloud.opacity = std::move(set.opacity);
   loaded.triangles = std::move(set.triangle);
+  loaded.texture_corners = std::move(set.texture_corners);
   take_velocity(set, source, loaded);
   if (source.stamps)
     if (Status s = io::take_stamps(set, source, loaded); !s) return s.error();

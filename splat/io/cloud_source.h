@@ -58,12 +58,14 @@ struct CloudSource {
   double delta = 3.0;                     ///< δ of the kernel, for Gaussian files
   KeyPath path = KeyPath::linear;         ///< of several files
   std::optional<TimeStamps> stamps;       ///< of a single file
+  bool texture = false;                   ///< as ReadOptions::texture
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
 struct LoadedCloud {
   SurfelCloud cloud;
-  std::vector<Triangle> triangles;  ///< of meshes, between points of the cloud
+  std::vector<Triangle> triangles;              ///< of meshes, between points of the cloud
+  std::vector<TextureCorners> texture_corners;  ///< one a triangle, if they were asked for and are there
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };

@@ -51,6 +51,7 @@ Result<MatchedPoints> match_by_id(const PointSet& reference, const PointSet& oth
   matched.set.axis_u = gather(reference.axis_u, other.axis_u, from);
   matched.set.axis_v = gather(reference.axis_v, other.axis_v, from);
   matched.set.triangle = reference.triangle;
+  matched.set.texture_corners = reference.texture_corners;
   for (std::size_t i = 0; i < from.size() && !reference.velocity.empty(); ++i) {
     if (from[i] == kMissing) matched.set.position[i] += velocity_scale * reference.velocity[i].cast<double>();
   }

@@ -58,7 +58,8 @@ Result<PointSet> MeshBuilder::finish(const std::vector<std::string>& further, co
   }
   const Result<AttributePlan> plan = plan_attributes(path_, columns_, options);
   if (!plan) return plan.error();
-  return assemble_points(path_, columns_, *plan, values_, std::move(triangles), options);
+  return assemble_points(path_, columns_, *plan, values_, std::move(triangles), options,
+                         std::move(texture_corners));
 }
 
 }  // namespace swept

@@ -27,6 +27,7 @@ class MeshBuilder {
 
   LineScanner lines;
   std::vector<Triangle> triangles;
+  std::vector<TextureCorners> texture_corners;  ///< one a triangle, or none
 
   /// The tokens from `x` to the end of the line as a vertex.
   [[nodiscard]] Status add_vertex(std::string_view x);

@@ -16,6 +16,7 @@
 #include "splat/export.h"
 #include "splat/io/read_report.h"
 #include "splat/result.h"
+#include "splat/texture.h"
 
 namespace SWEPT_API swept {
 
@@ -40,7 +41,9 @@ struct ReadOptions {
   std::optional<double> color_range;
   /// By default linear for reals up to 1, else sRGB. Of intensities, sRGB.
   std::optional<ColorSpace> color_space;
-  bool stamps = false;        ///< read `time` by its usual names
+  bool stamps = false;  ///< read `time` by its usual names
+  bool texture =
+      false;  ///< read texture coordinates: OBJ's vt, PLY's s and t of vertices or texcoord of faces
   bool skip_invalid = false;  ///< drop points with NaN or infinite numbers; else they are an error
 };
 
@@ -58,6 +61,7 @@ struct PointSet {
   std::vector<double> time;                                     ///< when each point was seen, as stored
   std::vector<std::int64_t> id;  ///< names of points, the same in every file of a sequence
   std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
+  std::vector<TextureCorners> texture_corners;         ///< if ReadOptions asked for them: one a triangle
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
   ReadReport report;                                   ///< what was read, and what was not
 

@@ -1,10 +1,12 @@
 // One reader per format; read_points picks.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "splat/io/point_file.h"
 #include "splat/result.h"
@@ -23,8 +25,13 @@ namespace swept {
 [[nodiscard]] Result<PointSet> read_off(const std::string& path, std::string_view bytes,
                                         const ReadOptions& options);
 
-/// Cuts a polygon into the fan of its first corner. Fewer than three corners: none.
-void add_fan(const std::vector<std::uint32_t>& polygon, std::vector<Triangle>& triangles);
+/// Cuts a polygon into the fan of its first corner. Fewer than three corners: none. Likewise of anything else
+/// that is said of its corners.
+template <class Corner>
+void add_fan(const std::vector<Corner>& polygon, std::vector<std::array<Corner, 3>>& triangles) {
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+}
 
 /// Triangles of strips parted by -1, every second one turned round so that all face the same way; those
 /// with a repeated corner, which only join pieces, are left out. Indices other than -1 are ≥ 0.

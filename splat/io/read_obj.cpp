@@ -1,6 +1,7 @@
 // Vertices and faces of OBJ files, with the colours that many write after x y z.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
@@ -10,17 +11,80 @@
 namespace swept {
 namespace {
 
-/// "7", "7/1", "7//3", "-1": corner of an OBJ face, from 0. Vertices may still follow the face.
-Result<std::uint32_t> obj_corner(const MeshBuilder& mesh, std::string_view token) {
-  const auto index = parse_integer(token.substr(0, token.find('/')));
-  if (!index) return mesh.fail("face", not_a_number(token));
-  const auto have = static_cast<std::int64_t>(mesh.vertex_count());
-  const std::int64_t from_0 = *index < 0 ? have + *index : *index - 1;
-  if (from_0 < 0 || from_0 >= std::numeric_limits<std::uint32_t>::max()) {
-    return mesh.fail("face", "index " + std::to_string(*index) + " names no vertex");
-  }
+/// One index of a corner, from 0, where there are `have` of what it names so far. More may still follow the
+/// face.
+Result<std::uint32_t> index_from_0(const MeshBuilder& mesh, std::string_view number, std::size_t have,
+                                   const char* what) {
+  const auto index = parse_integer(number);
+  if (!index) return mesh.fail("face", not_a_number(number));
+  const std::int64_t from_0 = *index < 0 ? static_cast<std::int64_t>(have) + *index : *index - 1;
+  if (from_0 < 0 || from_0 >= std::numeric_limits<std::uint32_t>::max())
+    return mesh.fail("face", "index " + std::to_string(*index) + " names no " + what);
   return static_cast<std::uint32_t>(from_0);
 }
+
+/// "7", "7/1", "7//3", "-1": the vertex of a face's corner.
+Result<std::uint32_t> obj_corner(const MeshBuilder& mesh, std::string_view token) {
+  const std::string_view number = token.substr(0, token.find('/'));
+  if (!parse_integer(number)) return mesh.fail("face", not_a_number(token));
+  return index_from_0(mesh, number, mesh.vertex_count(), "vertex");
+}
+
+/// Places on a texture: lines vt, and which of them faces name.
+class ObjTexture {
+ public:
+  Status add_place(MeshBuilder& mesh) {
+    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+    for (int c = 0; c < 2; ++c) {
+      const std::string_view token = mesh.lines.next_token();
+      // One number is a place on a texture of one row.
+      if (c == 1 && token.empty()) break;
+      const std::optional<double> value = parse_number(token);
+      if (!value) return mesh.fail("vt", not_a_number(token));
+      if (!(std::abs(*value) <= double{most_texture_coordinate}))
+        return mesh.fail("vt", "must be between -1e6 and 1e6");
+      uv[c] = static_cast<float>(*value);
+    }
+    places_.push_back(uv);
+    return Done{};
+  }
+
+  /// The second number of a corner.
+  Status add_corner(const MeshBuilder& mesh, std::string_view token) {
+    const std::size_t slash = token.find('/');
+    const std::string_view rest = slash == std::string_view::npos ? "" : token.substr(slash + 1);
+    const std::string_view number = rest.substr(0, rest.find('/'));
+    if (number.empty())
+      return mesh.fail("face", "its corner " + std::string(token) + " has no place on the texture");
+    const Result<std::uint32_t> index = index_from_0(mesh, number, places_.size(), "vt");
+    if (!index) return index.error();
+    polygon_.push_back(*index);
+    greatest_ = std::max(greatest_, *index);
+    return Done{};
+  }
+
+  void end_face() {
+    add_fan(polygon_, corners_);
+    polygon_.clear();
+  }
+
+  /// What the triangles' corners are, once all lines are read.
+  Status finish(const std::string& path, std::vector<TextureCorners>& corners) const {
+    if (!corners_.empty() && greatest_ >= places_.size())
+      return Error{path, "face",
+                   "index " + std::to_string(std::uint64_t{greatest_} + 1) + " names none of the " +
+                       std::to_string(places_.size()) + " vt"};
+    corners.reserve(corners_.size());
+    for (const auto& [a, b, c] : corners_) corners.push_back({places_[a], places_[b], places_[c]});
+    return Done{};
+  }
+
+ private:
+  std::vector<Eigen::Vector2f> places_;
+  std::vector<std::uint32_t> polygon_;
+  std::vector<std::array<std::uint32_t, 3>> corners_;
+  std::uint32_t greatest_ = 0;
+};
 
 /// What the numbers after x y z of a vertex are; others than a weight and colours are left unread.
 std::vector<std::string> further_names(const MeshBuilder& mesh, std::vector<std::string>& unread,
@@ -65,6 +129,7 @@ Status add_normals(std::string_view bytes, MeshBuilder& mesh) {
 
 Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const ReadOptions& options) {
   MeshBuilder mesh(path, LineScanner(bytes, "", '\\'));
+  ObjTexture texture;
   std::vector<std::uint32_t> polygon;
   std::uint32_t greatest = 0;
   std::map<std::string, std::size_t> others;  // keywords that are not read
@@ -79,8 +144,13 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
         if (!corner) return corner.error();
         polygon.push_back(*corner);
         greatest = std::max(greatest, *corner);
+        if (!options.texture) continue;
+        if (Status s = texture.add_corner(mesh, token); !s) return s.error();
       }
       add_fan(polygon, mesh.triangles);
+      texture.end_face();
+    } else if (keyword == "vt" && options.texture) {
+      if (Status s = texture.add_place(mesh); !s) return s.error();
     } else if (const auto known = others.find(std::string(keyword)); known != others.end()) {
       ++known->second;
     } else if (others.size() < 100) {
@@ -92,6 +162,7 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
                  "index " + std::to_string(std::uint64_t{greatest} + 1) + " names none of the " +
                      std::to_string(mesh.vertex_count()) + " vertices"};
   }
+  if (Status s = texture.finish(path, mesh.texture_corners); !s) return s.error();
   std::vector<std::string> unread, assumed;
   const std::vector<std::string> further = further_names(mesh, unread, assumed);
   if (const auto normals = others.find("vn");
@@ -103,6 +174,7 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
   }
   Result<PointSet> set = mesh.finish(further, options);
   if (!set) return set;
+  if (!set->texture_corners.empty()) set->report.used.push_back({"texture coordinates", {"vt"}});
   for (const auto& [keyword, count] : others)
     unread.push_back(std::to_string(count) + (count == 1 ? " line " : " lines ") + keyword);
   set->report.unread.insert(set->report.unread.end(), unread.begin(), unread.end());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "splat/io/attribute_names.h"
 #include "splat/io/attributes.h"
@@ -51,16 +52,96 @@ class PlyReader {
     if (!plan) return plan.error();
     needed_ = plan->needed(columns_.size());
     values_.resize(columns_.size());
+    if (options_.texture) find_texture_columns();
 
     for (const PlyElement& element : header_.elements) {
       if (Status s = read_element(element); !s) return s.error();
     }
-    Result<PointSet> set = assemble_points(path_, columns_, *plan, values_, std::move(triangles_), options_);
-    if (set) report_elements(set->report);
+    const bool of_faces = !face_uv_.empty();
+    if (of_faces && face_uv_.size() != triangles_.size())
+      return Error{path_, texcoord, "strips of triangles have none, and faces have"};
+    if (!of_faces && texture_columns_) {
+      if (Status s = spread_texture(); !s) return s.error();
+    }
+    Result<PointSet> set = assemble_points(path_, columns_, *plan, values_, std::move(triangles_), options_,
+                                           std::move(face_uv_));
+    if (!set) return set;
+    report_elements(set->report);
+    report_texture(of_faces, set->report);
     return set;
   }
 
  private:
+  static constexpr const char* texcoord = "texcoord";
+
+  /// Of vertices, as the tools that write them call them.
+  void find_texture_columns() {
+    for (const auto& [u, v] : {std::pair{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}}) {
+      const auto at = [&](const char* name) {
+        return static_cast<std::size_t>(
+            std::find_if(columns_.begin(), columns_.end(),
+                         [&](const Column& c) { return c.name == name && !c.is_list; }) -
+            columns_.begin());
+      };
+      if (const std::size_t cu = at(u), cv = at(v); cu < columns_.size() && cv < columns_.size()) {
+        needed_[cu] = needed_[cv] = true;
+        texture_columns_ = {cu, cv};
+        return;
+      }
+    }
+  }
+
+  /// From vertices to the corners of triangles.
+  Status spread_texture() {
+    const auto [u, v] = *texture_columns_;
+    for (std::size_t i = 0; i < values_[u].size(); ++i)
+      for (const std::size_t c : {u, v})
+        if (!(std::abs(values_[c][i]) <= double{most_texture_coordinate}))
+          return Error{path_, columns_[c].name,
+                       "point " + std::to_string(i) + ": must be between -1e6 and 1e6"};
+    face_uv_.reserve(triangles_.size());
+    for (const Triangle& triangle : triangles_) {
+      TextureCorners corners;
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = Eigen::Vector2d(values_[u][triangle[k]], values_[v][triangle[k]]).cast<float>();
+      face_uv_.push_back(corners);
+    }
+    return Done{};
+  }
+
+  void report_texture(bool of_faces, ReadReport& report) const {
+    ReadReport::Use use{"texture coordinates", {}};
+    if (of_faces) {
+      use.properties = {std::string("face.") + texcoord};
+    } else if (texture_columns_) {
+      use.properties = {columns_[texture_columns_->first].name, columns_[texture_columns_->second].name};
+    } else {
+      return;
+    }
+    for (const std::string& name : use.properties) std::erase(report.unread, name);
+    report.used.push_back(std::move(use));
+  }
+
+  /// Of one face, after all of its properties were read.
+  Status end_face(const PlyElement& element, const PlyProperty& property, std::uint64_t row) {
+    if (uv_.size() != 2 * corners_.size())
+      return fail(element, property, row,
+                  "must have two numbers for each of the face's " + std::to_string(corners_.size()) +
+                      " corners, and has " + std::to_string(uv_.size()));
+    std::vector<Eigen::Vector2f> places;
+    for (std::size_t k = 0; k < uv_.size(); k += 2) {
+      if (!(std::max(std::abs(uv_[k]), std::abs(uv_[k + 1])) <= double{most_texture_coordinate}))
+        return fail(element, property, row, "must be between -1e6 and 1e6");
+      places.push_back(Eigen::Vector2d(uv_[k], uv_[k + 1]).cast<float>());
+    }
+    add_fan(places, face_uv_);
+    return Done{};
+  }
+
+  [[nodiscard]] bool is_texcoord(const PlyElement& element, const PlyProperty& property) const {
+    return options_.texture && element.name == "face" && property.is_list && property.name == texcoord;
+  }
+
   Status read_element(const PlyElement& element) {
     if (element.properties.empty()) return Done{};
     std::uint64_t least = 0;
@@ -79,6 +160,8 @@ class PlyReader {
         if (needed_[c]) values_[c].reserve(static_cast<std::size_t>(element.count));
       }
     }
+    const auto with_texcoord = std::find_if(element.properties.begin(), element.properties.end(),
+                                            [&](const auto& p) { return is_texcoord(element, p); });
     for (std::uint64_t row = 0; row < element.count; ++row) {
       if (one_line) stream_.begin_row();
       for (std::size_t c = 0; c < element.properties.size(); ++c) {
@@ -95,6 +178,9 @@ class PlyReader {
         const std::optional<double> value = stream_.next(property.type);
         if (!value) return fail(element, property, row, stream_.fault());
         if (is_vertex && needed_[column]) values_[column].push_back(*value);
+      }
+      if (with_texcoord != element.properties.end()) {
+        if (Status s = end_face(element, *with_texcoord, row); !s) return s;
       }
       if (one_line && !stream_.end_row()) {
         return fail(element, element.properties.back(), row, "the line goes on after it");
@@ -148,11 +234,14 @@ class PlyReader {
       return fail(element, property, row,
                   "its list of " + std::to_string(count) + " entries runs past the end of the file");
     }
-    const bool wanted = is_corners(element, property), is_strip = wanted && element.name == "tristrips";
-    corners_.clear();
+    const bool wanted = is_corners(element, property), is_strip = wanted && element.name == "tristrips",
+               is_uv = is_texcoord(element, property);
+    if (wanted) corners_.clear();
+    if (is_uv) uv_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::optional<double> value = stream_.next(property.type);
       if (!value) return fail(element, property, row, stream_.fault());
+      if (is_uv) uv_.push_back(*value);
       if (!wanted) continue;
       const bool valid =
           *value >= 0.0 && *value < static_cast<double>(vertex_count_) && *value == std::floor(*value);
@@ -165,7 +254,7 @@ class PlyReader {
     if (is_strip) {
       add_strips(corners_, triangles_);
     } else if (wanted) {
-      add_fan({corners_.begin(), corners_.end()}, triangles_);
+      add_fan(std::vector<std::uint32_t>(corners_.begin(), corners_.end()), triangles_);
     }
     return Done{};
   }
@@ -186,6 +275,9 @@ class PlyReader {
   std::vector<std::vector<double>> values_;
   std::vector<std::int64_t> corners_;
   std::vector<Triangle> triangles_;
+  std::vector<double> uv_;  ///< of a face
+  std::vector<TextureCorners> face_uv_;
+  std::optional<std::pair<std::size_t, std::size_t>> texture_columns_;
 };
 
 }  // namespace

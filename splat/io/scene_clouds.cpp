@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "splat/io/scene_splats.h"
 #include "splat/io/source_files.h"
 #include "splat/io/surfel_estimate.h"
+#include "splat/io/texture_file.h"
 
 namespace swept {
 namespace {
@@ -63,6 +65,7 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.normals_toward = source.normals_toward;
   cloud.delta = scene.model.delta;
   cloud.path = scene.motion.path;
+  cloud.texture = source.draw == DrawAs::triangles && !source.texture.empty();
   cloud.stamps = source.stamps;
   return cloud;
 }
@@ -115,6 +118,22 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
   return loaded;
 }
 
+/// The picture is read once, and laid over all frames of a sequence.
+Status SceneFile::load_texture(const ObjectSource& source, std::vector<TextureCorners>& corners,
+                               Object& object) const {
+  if (source.texture.empty()) return Done{};
+  if (corners.empty())
+    return Error{path_, source.pointer + "/texture", "the mesh has no texture coordinates",
+                 ErrorKind::malformed};
+  if (!object.texture) {
+    Result<Texture> texture = read_texture(source.texture);
+    if (!texture) return texture.error();
+    object.texture = std::make_shared<const Texture>(*std::move(texture));
+  }
+  object.texture_corners = std::move(corners);
+  return Done{};
+}
+
 /// Into the object, with notes: splats where they are to be drawn as such, else a cloud.
 Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   const ObjectSource& source = sources_[i];
@@ -141,13 +160,18 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
   Result<LoadedCloud> loaded = load(source, generator);
   if (!loaded) return loaded.error();
   if (source.sideless) loaded->cloud.oriented.clear();
-  scene_.objects[i].cloud = std::move(loaded->cloud);
+  Object& object = scene_.objects[i];
+  object.cloud = std::move(loaded->cloud);
   if (source.draw == DrawAs::triangles) {
     if (loaded->triangles.empty())
       return Error{path_, source.pointer + "/draw", "the source holds no triangles to draw"};
-    scene_.objects[i].triangles = std::move(loaded->triangles);
+    object.triangles = std::move(loaded->triangles);
+    if (Status read = load_texture(source, loaded->texture_corners, object); !read) return read;
   }
   note(std::move(loaded->notes), loaded->report);
+  if (object.texture)
+    notes.push_back("texture " + std::to_string(object.texture->width) + " x " +
+                    std::to_string(object.texture->height) + ": " + source.texture);
   return Done{};
 }
 
@@ -163,6 +187,7 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       // Before the next one is read, so that two never share the memory.
       scene_.objects[i].cloud = {};
       scene_.objects[i].triangles = {};
+      scene_.objects[i].texture_corners = {};
       scene_.objects[i].splats = {};
       state.notes.clear();
       try {

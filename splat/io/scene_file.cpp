@@ -55,6 +55,7 @@ const char* name_of(DrawAs draw) {
 std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
   if (overrides.draw) text.push_back(name_of(*overrides.draw));
+  if (!overrides.texture.empty()) text.push_back({"texture", true});
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
   return text.dump();
@@ -178,6 +179,17 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
         if (std::holds_alternative<FileSource>(source.points) ||
             (overrides.draw != DrawAs::splats && std::holds_alternative<SequenceSource>(source.points)))
           source.draw = overrides.draw;
+    if (!overrides.texture.empty()) {
+      bool used = false;
+      for (ObjectSource& source : file.sources_) {
+        if (source.draw != DrawAs::triangles) continue;
+        source.texture = overrides.texture;
+        used = true;
+      }
+      if (!used)
+        return Error{overrides.texture, "", "is a texture, and nothing is drawn as triangles",
+                     ErrorKind::argument};
+    }
     if (const Status valid = file.scene_.validate(); !valid)
       return Error{path, valid.error().field, valid.error().reason, in_a_file(valid.error().kind)};
     document->erase("$schema");

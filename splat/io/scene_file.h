@@ -71,6 +71,7 @@ struct ObjectSource {
   std::string pointer;  ///< JSON pointer of the object, for messages
   /// Without it, splats where a single file holds trained ones, else surfels.
   std::optional<DrawAs> draw;
+  std::string texture;  ///< path of a picture for the triangles; empty: none
   VelocityUnit velocity = VelocityUnit::per_second;
   std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
@@ -87,6 +88,7 @@ struct SceneOverrides {
   /// those that name their own included.
   FieldValues fields;
   std::optional<DrawAs> draw;  ///< of all objects that have files
+  std::string texture;         ///< of all objects that are drawn as triangles; empty: as the file says
   double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;
@@ -127,6 +129,8 @@ class SceneFile {
                                            const SceneOverrides& overrides, std::vector<std::string> notes);
   SceneFile();
   [[nodiscard]] Status load_object(std::size_t i, const Generator& generator);
+  [[nodiscard]] Status load_texture(const ObjectSource& source, std::vector<TextureCorners>& corners,
+                                    Object& object) const;
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
   [[nodiscard]] Result<std::string> hash_of(double frame) const;
   /// An error of source_files(), seen from the scene file.

@@ -54,6 +54,11 @@ Result<std::string> SceneFile::hash_of(double frame) const {
   at_frame.shutter = scene_.shutter;
   at_frame.motion = scene_.motion;
   for (const ObjectSource& source : sources_) {
+    if (source.draw == DrawAs::triangles && !source.texture.empty()) {
+      const Result<std::string> digits = io::hash_file(source.texture);
+      if (!digits) return digits.error();
+      hash.add_part(*digits);
+    }
     const Result<io::SourceFiles> files = io::source_files(source, at_frame);
     if (!files) return source_error(source, files.error());
     for (const KeyFile& key : files->files) {

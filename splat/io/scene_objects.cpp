@@ -173,7 +173,7 @@ TimeStamps parse_stamps(const JsonNode& node) {
 
 ParsedObject parse_object(const JsonNode& node, const std::string& folder, double default_frame) {
   node.expect_keys({"name", "source", "velocity", "transform", "color", "radius", "radius_scale", "facing",
-                    "segments", "draw", "stamps"});
+                    "segments", "draw", "texture", "stamps"});
   ParsedObject parsed;
   Object& object = parsed.object;
   ObjectSource& source = parsed.source;
@@ -218,6 +218,10 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
     source.draw = static_cast<DrawAs>(draw->one_of({"splats", "surfels", "triangles"}));
     if (generator) draw->fail("goes with files");
     if (source.draw == DrawAs::splats && !file) draw->fail("goes with a single \"file\"");
+  }
+  if (const auto texture = node.find("texture")) {
+    if (source.draw != DrawAs::triangles) texture->fail("goes with \"draw\": \"triangles\"");
+    source.texture = resolve(*texture, folder);
   }
   if (const auto stamps = node.find("stamps")) {
     if (!file) stamps->fail("goes with a single \"file\"");

@@ -4,12 +4,6 @@
 
 namespace swept {
 
-void add_fan(const std::vector<std::uint32_t>& polygon, std::vector<Triangle>& triangles) {
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
-  }
-}
-
 void add_strips(const std::vector<std::int64_t>& strips, std::vector<Triangle>& triangles) {
   std::size_t begin = 0;
   for (std::size_t i = 0; i < strips.size(); ++i) {
