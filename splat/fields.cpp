@@ -231,6 +231,13 @@ std::vector<Field> make_fields() {
                "trained, or in linear light",
        .numbers = {number<&S::splats, &G::blending>("", 0, 2)},
        .words = {"file", "srgb", "linear"}},
+      {.pointer = "/splats/clip_frames",
+       .option = "--clip-frames",
+       .unit = "frames",
+       .help =
+           "how long the clip was of which splats were trained in motion, as those of SpacetimeGaussians; "
+           "it begins at its file's frame",
+       .numbers = {number<&S::splats, &G::clip_frames>("FRAMES", 0, 1e9, true)}},
   };
 }
 

@@ -88,6 +88,9 @@ struct SplatModel {
   double least_light = 1e-4;  ///< a splat that would let less light through is not drawn, nor what is behind
   double near = 0.2;          ///< world units: centres no farther than this are left out
   SplatBlending blending = SplatBlending::file;
+  /// Frames from training time 0 to 1 of splats that were trained in motion. It is read when splats are
+  /// loaded; what is rendered follows SplatMotion::frames.
+  double clip_frames = usual_clip_frames;
 };
 
 /// Discs, triangles or splats.

@@ -14,6 +14,15 @@ namespace {
 
 }  // namespace
 
+Eigen::Vector3d SplatCloud::position_at(std::size_t splat, double at_frame) const {
+  Eigen::Vector3d at = position[splat];
+  if (!velocity.empty()) at += velocity[splat].cast<double>() * (at_frame - frame);
+  if (!motion) return at;
+  const double t = (at_frame - frame) / motion->frames - double{motion->center[splat]};
+  const auto path = [&](std::size_t k) { return motion->path[splat][k].cast<double>(); };
+  return at + t * (path(0) + t * (path(1) + t * path(2)));
+}
+
 Status SplatCloud::validate() const {
   return without_throwing("to check the splats", [&]() -> Status {
     const std::size_t n = size();
@@ -29,6 +38,10 @@ Status SplatCloud::validate() const {
     if (!velocity.empty() && velocity.size() != n) return wrong("velocity", velocity.size(), n);
     const std::size_t per_splat = 3 * static_cast<std::size_t>(coefficients(degree));
     if (harmonics.size() != n * per_splat) return wrong("harmonics", harmonics.size(), n * per_splat);
+    if (motion && !velocity.empty())
+      return Error{"", "motion", "goes without velocities: splats have either"};
+    if (motion)
+      if (Status s = motion->validate(n); !s) return Error{"", "motion/" + s.error().field, s.error().reason};
     if (!std::isfinite(frame)) return Error{"", "frame", "must be a finite number"};
     for (std::size_t i = 0; i < n; ++i) {
       if (!position[i].allFinite()) return at("position", i, "must be finite");

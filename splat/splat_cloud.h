@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include "splat/export.h"
 #include "splat/point_array.h"
 #include "splat/result.h"
+#include "splat/splat_motion.h"
 
 namespace SWEPT_API swept {
 
@@ -35,16 +37,18 @@ struct SplatCloud {
   /// blue. The colour is max(0, ½ + Σ coefficient · basis(direction from eye to splat)), in `colors` values.
   PointArray<float> harmonics;
   PointArray<Eigen::Vector3f> velocity;  ///< object units per frame; empty: the splats stand still
-  double frame = 0.0;                    ///< the frame at which positions hold, where there are velocities
+  /// The frame at which positions hold, where there are velocities; training time 0 where there is `motion`.
+  double frame = 0.0;
+  /// Of splats that move, turn and fade by themselves, and then there are no velocities.
+  std::optional<SplatMotion> motion;
   bool flat = false;  ///< 2D splats: scale z is 0 and a ray meets the disc (Huang et al. 2024)
   SplatFilter filter = SplatFilter::dilated;
   SplatColors colors = SplatColors::srgb;
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
-  [[nodiscard]] Eigen::Vector3d position_at(std::size_t splat, double at_frame) const {
-    if (velocity.empty()) return position[splat];
-    return position[splat] + velocity[splat].cast<double>() * (at_frame - frame);
-  }
+  /// Whether splats may change while their object stands still.
+  [[nodiscard]] bool moves() const { return !velocity.empty() || motion.has_value(); }
+  [[nodiscard]] Eigen::Vector3d position_at(std::size_t splat, double at_frame) const;
   [[nodiscard]] static constexpr int coefficients(int degree) { return (degree + 1) * (degree + 1); }
 
   /// Counts agree, every number is finite and in its range. The error's field names the array and the first

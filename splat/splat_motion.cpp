@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "splat/splat_cloud.h"
+
 namespace swept {
 
 Status SplatMotion::validate(std::size_t splats) const {
@@ -14,6 +16,7 @@ Status SplatMotion::validate(std::size_t splats) const {
   if (duration.size() != splats) return wrong("duration", duration.size());
   if (path.size() != splats) return wrong("path", path.size());
   if (turn.size() != splats) return wrong("turn", turn.size());
+  if (!(frames > 0.0) || !std::isfinite(frames)) return Error{"", "frames", "must be finite and above 0"};
   for (std::size_t i = 0; i < splats; ++i) {
     const auto at = [i](const char* array, const char* reason) {
       return Error{"", std::string(array) + "[" + std::to_string(i) + "]", reason};
@@ -31,6 +34,7 @@ Status SplatMotion::validate(std::size_t splats) const {
 SplatCloud splats_at(const SplatCloud& cloud, const SplatMotion& motion, double time) {
   SplatCloud now = cloud;
   now.velocity.clear();
+  now.motion.reset();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double t = time - static_cast<double>(motion.center[i]);
     const auto path = [&](std::size_t k) { return motion.path[i][k].cast<double>(); };

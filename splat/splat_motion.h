@@ -14,9 +14,14 @@
 
 #include "splat/export.h"
 #include "splat/result.h"
-#include "splat/splat_cloud.h"
 
 namespace SWEPT_API swept {
+
+struct SplatCloud;
+
+/// Frames that a clip is taken to have where nobody says it: the number of pictures that SpacetimeGaussians'
+/// own settings train on at once.
+inline constexpr double usual_clip_frames = 50.0;
 
 /// Every array has an entry for each splat of a cloud, which holds what they are at Δt = 0.
 struct SplatMotion {
@@ -24,14 +29,16 @@ struct SplatMotion {
   std::vector<float> duration;                       ///< above 0
   std::vector<std::array<Eigen::Vector3f, 3>> path;  ///< object units per time, time² and time³
   std::vector<Eigen::Vector4f> turn;  ///< w x y z per time, added to the cloud's unit quaternion
+  /// Frames from training time 0, which is SplatCloud::frame, to 1; above 0. Files do not say it.
+  double frames = usual_clip_frames;
 
   /// Counts are the cloud's, every number is finite and in its range. The error's field names the array and
   /// the first offending index; its file is left for the caller to fill in.
   [[nodiscard]] Status validate(std::size_t splats) const;
 };
 
-/// The cloud as it stands at that time, without velocities. A rotation that comes to nothing is the cloud's
-/// own. Precondition: motion.validate(cloud.size()).
+/// The cloud as it stands at that time of training, without velocities and motion of its own. A rotation that
+/// comes to nothing is the cloud's own. Precondition: motion.validate(cloud.size()).
 [[nodiscard]] SplatCloud splats_at(const SplatCloud& cloud, const SplatMotion& motion, double time);
 
 }  // namespace swept

@@ -17,7 +17,7 @@ std::string reason(const Scene& scene, const Object& object, const Exposure& exp
   const auto add = [&](bool moves, const char* name) {
     if (moves) what += (what.empty() ? "" : ", ") + std::string(name);
   };
-  add(object.cloud.moves() || !object.splats.velocity.empty(), "its points");
+  add(object.cloud.moves() || object.splats.moves(), "its points");
   add(!object.transform.constant_over(exposure.open, exposure.close), "its transform");
   add(!scene.camera.constant_over(exposure.open, exposure.close), "the camera");
   return what.empty() ? "nothing moves" : what;

@@ -54,8 +54,8 @@ class Projector {
 double longest_streak_px(const Scene& scene, const Object& object) {
   const double open = scene.frame + scene.shutter.open, close = scene.frame + scene.shutter.close;
   if (open == close) return 0.0;
-  if (!object.cloud.moves() && object.splats.velocity.empty() &&
-      object.transform.constant_over(open, close) && scene.camera.constant_over(open, close)) {
+  if (!object.cloud.moves() && !object.splats.moves() && object.transform.constant_over(open, close) &&
+      scene.camera.constant_over(open, close)) {
     return 0.0;
   }
   std::vector<Projector> projectors;

@@ -49,7 +49,7 @@ void report_splats(const Object& object, double open, double close, ObjectReport
   report.points = splats.size();
   report.keys = 1;
   report.splats = true;
-  report.points_move = open != close && any_moves(splats.velocity);
+  report.points_move = open != close && (splats.motion || any_moves(splats.velocity));
   report.has_opacity = true;
   for (const double frame : {open, open + 0.5 * (close - open), close}) {
     const Eigen::Affine3d world = object.transform.at(frame);

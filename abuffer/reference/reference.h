@@ -41,11 +41,10 @@ struct ReferenceOptions {
 /// peak 1 (+∞ where the error is 0); and what KernelSet counts, which for smooth motion is that of the last
 /// instant. The stages overlap in one case: "kernels" of smooth motion is part of the other two.
 ///
-/// A scene of Gaussian splats is that of render_splat_reference(), with its statistics; of `control` it looks
-/// at the threads.
+/// A scene with Gaussian splats, whatever else is in it, is that of render_splat_reference(), with its
+/// statistics and along true paths; of `control` it looks at the threads.
 ///
-/// Errors: options, control or scene out of range, splats and discs in one scene, not enough memory, and a
-/// render that was stopped.
+/// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                                 const RenderControl& control = {});
 

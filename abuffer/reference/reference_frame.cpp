@@ -125,10 +125,10 @@ std::optional<Fragment> meet(const Disc& disc, const Eigen::Vector3d& ray, doubl
   return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc, side};
 }
 
-std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
-                  PixelSum& sum, std::span<Surface> others) {
+void find_surfaces(std::span<Fragment> fragments, const ImageModel& model, std::span<Surface> others,
+                   std::vector<Surface>& seen) {
   std::sort(fragments.begin(), fragments.end(), before);
-  std::vector<Surface> of_discs, seen;
+  std::vector<Surface> of_discs;
   for (std::span<Fragment> rest = fragments; !rest.empty();) {
     const std::span<const Fragment> front = front_surface(rest);
     of_discs.push_back(blend(front, model));
@@ -138,6 +138,12 @@ std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const 
   std::stable_sort(others.begin(), others.end(), nearer);
   std::merge(of_discs.begin(), of_discs.end(), others.begin(), others.end(), std::back_inserter(seen),
              nearer);
+}
+
+std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
+                  PixelSum& sum, std::span<Surface> others) {
+  std::vector<Surface> seen;
+  find_surfaces(fragments, model, others, seen);
   double transmittance = 1.0;
   std::size_t surfaces = 0;
   for (const Surface& surface : seen) {

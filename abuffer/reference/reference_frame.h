@@ -68,7 +68,11 @@ struct PixelSum {
                                            double delta);
 
 /// Sorts the fragments of one pixel into an order that depends on their content alone, groups them into
-/// surfaces, and adds what is seen of them and of `others` over the background. Returns how many surfaces
+/// surfaces, and appends these and `others` to `seen`, the first in front.
+void find_surfaces(std::span<Fragment> fragments, const ImageModel& model, std::span<Surface> others,
+                   std::vector<Surface>& seen);
+
+/// The same, and adds what is seen of them and of `others` over the background. Returns how many surfaces
 /// were seen.
 std::size_t shade(std::span<Fragment> fragments, const ImageModel& model, const Eigen::Vector4d& background,
                   PixelSum& sum, std::span<Surface> others = {});

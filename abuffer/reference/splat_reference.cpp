@@ -15,6 +15,8 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
+#include "abuffer/reference/splat_formulas.h"
+#include "abuffer/reference/surfaces_at.h"
 #include "abuffer/render_valid.h"
 
 namespace swept {
@@ -24,43 +26,11 @@ using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using reference::decoded;
+using reference::encoded;
 
 /// Rows of pixels that a thread takes at once.
 constexpr int band_rows = 8;
-
-/// IEC 61966-2-1, continued oddly below 0 and by its formula above 1.
-double decoded(double s) {
-  const double v = std::abs(s);
-  return std::copysign(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4), s);
-}
-double encoded(double linear) {
-  const double v = std::abs(linear);
-  return std::copysign(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055, linear);
-}
-
-/// Real spherical harmonics with the signs of Kerbl et al.; degree by degree, orders −l … l.
-std::array<double, 16> harmonics_towards(const Vector3d& direction) {
-  const double x = direction.x(), y = direction.y(), z = direction.z();
-  const double pi = M_PI, xx = x * x, yy = y * y, zz = z * z;
-  const double c1 = std::sqrt(3.0 / (4.0 * pi)), c2 = 0.5 * std::sqrt(15.0 / pi);
-  const double c3 = 0.25 * std::sqrt(35.0 / (2.0 * pi)), c4 = 0.25 * std::sqrt(21.0 / (2.0 * pi));
-  return {0.5 * std::sqrt(1.0 / pi),
-          -c1 * y,
-          c1 * z,
-          -c1 * x,
-          c2 * x * y,
-          -c2 * y * z,
-          0.25 * std::sqrt(5.0 / pi) * (2.0 * zz - xx - yy),
-          -c2 * x * z,
-          0.5 * c2 * (xx - yy),
-          -c3 * y * (3.0 * xx - yy),
-          0.5 * std::sqrt(105.0 / pi) * x * y * z,
-          -c4 * y * (4.0 * zz - xx - yy),
-          0.25 * std::sqrt(7.0 / pi) * z * (2.0 * zz - 3.0 * xx - 3.0 * yy),
-          -c4 * x * (4.0 * zz - xx - yy),
-          0.25 * std::sqrt(105.0 / pi) * z * (xx - yy),
-          -c3 * x * (xx - 3.0 * yy)};
-}
 
 /// A splat as one instant sees it.
 struct Seen {
@@ -108,7 +78,11 @@ class Frame {
  public:
   /// add() throws Stopped after `stop`.
   Frame(const Scene& scene, std::stop_token stop)
-      : scene_(scene), model_(scene.splats), image_(blank_image(scene.film)), stop_(std::move(stop)) {
+      : scene_(scene),
+        model_(scene.splats),
+        image_(blank_image(scene.film)),
+        stop_(std::move(stop)),
+        surfaces_(scene) {
     sums_.resize(image_.pixel_count());
     for (const Object& object : scene.objects)
       if (object.splats.size() > 0) linear_ = blends_linearly(scene, object);
@@ -120,11 +94,13 @@ class Frame {
     for (const Object& object : scene_.objects) see(object, view, frame);
     std::stable_sort(seen_.begin(), seen_.end(),
                      [](const Seen& a, const Seen& b) { return a.depth < b.depth; });
+    surfaces_.move_to(frame);
     const auto bands = static_cast<std::size_t>((image_.height + band_rows - 1) / band_rows);
     std::vector<std::uint64_t> fragments(bands);
     parallel_for_each_index(bands, [&](std::size_t band) {
       throw_if_stopped(stop_);
-      fragments[band] = draw(view, image_.y + static_cast<int>(band) * band_rows);
+      const int y = image_.y + static_cast<int>(band) * band_rows;
+      fragments[band] = surfaces_.any() ? draw_among_surfaces(view, y) : draw(view, y);
     });
     fragments_ = std::accumulate(fragments.begin(), fragments.end(), fragments_);
     ++instants_;
@@ -154,7 +130,11 @@ class Frame {
   void bound(Seen& seen, const Vector2d& reach) const;
   [[nodiscard]] double distance_squared(const Seen& seen, const View& view, int x, int y) const;
   [[nodiscard]] std::uint64_t draw(const View& view, int y_begin);
+  [[nodiscard]] std::uint64_t draw_among_surfaces(const View& view, int y_begin);
+  [[nodiscard]] double alpha_at(const Seen& seen, const View& view, int x, int y) const;
+  [[nodiscard]] bool blend(const Seen& seen, double alpha, Pixel& pixel) const;
   void finish(const Pixel& pixel, PixelSum& sum) const;
+  [[nodiscard]] double covered(double color, double light, double behind) const;
 
   const Scene& scene_;
   const SplatModel& model_;
@@ -162,6 +142,7 @@ class Frame {
   std::stop_token stop_;
   std::vector<PixelSum> sums_;
   std::vector<Seen> seen_;
+  reference::SurfacesAt surfaces_;
   bool linear_ = false;
   double instants_ = 0.0;
   std::uint64_t fragments_ = 0;
@@ -179,18 +160,22 @@ void Frame::see(const Object& object, const View& view, double frame) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     Vector3d position = cloud.position[i];
     if (!cloud.velocity.empty()) position += cloud.velocity[i].cast<double>() * (frame - cloud.frame);
+    Eigen::Quaterniond rotation = cloud.rotation[i].cast<double>();
+    double opacity = double{cloud.opacity[i]};
+    if (cloud.motion) reference::move_by_itself(cloud, i, frame, position, rotation, opacity);
     const Vector3d from_eye = world_from_object * position - view.camera.eye;
     Seen seen;
     seen.at = view.camera.camera_from_world.linear() * from_eye;
     seen.depth = seen.at.z();
-    seen.opacity = double{cloud.opacity[i]};
+    seen.opacity = opacity;
     if (!(seen.depth > model_.near)) continue;
-    const Matrix3d axes = camera_from_object * cloud.rotation[i].cast<double>().toRotationMatrix() *
-                          cloud.scale[i].cast<double>().asDiagonal();
+    const Matrix3d axes =
+        camera_from_object * rotation.toRotationMatrix() * cloud.scale[i].cast<double>().asDiagonal();
     seen.center = {view.center_x + view.focal_x * seen.at.x() / seen.depth,
                    view.center_y + view.focal_y * seen.at.y() / seen.depth};
     if (!(cloud.flat ? place_disc(axes, view, seen) : project(axes, cloud, view, seen))) continue;
-    const std::array<double, 16> basis = harmonics_towards((turn.transpose() * from_eye).stableNormalized());
+    const std::array<double, 16> basis =
+        reference::harmonics_towards((turn.transpose() * from_eye).stableNormalized());
     const float* harmonics = cloud.harmonics.data() + 3 * coefficients * i;
     for (int c = 0; c < 3; ++c) {
       double value = 0.5;
@@ -275,6 +260,26 @@ double Frame::distance_squared(const Seen& seen, const View& view, int x, int y)
   return std::min(screen, u * u + v * v);
 }
 
+/// Of a splat in a pixel; 0: less than the least.
+double Frame::alpha_at(const Seen& seen, const View& view, int x, int y) const {
+  const double gauss = std::exp(-0.5 * distance_squared(seen, view, x, y));
+  const double alpha = std::min(model_.most_alpha, seen.opacity * gauss);
+  return alpha >= model_.least_alpha ? alpha : 0.0;
+}
+
+/// Behind what the pixel has. False: it is not drawn, and nothing behind it is.
+bool Frame::blend(const Seen& seen, double alpha, Pixel& pixel) const {
+  const double left = pixel.light * (1.0 - alpha);
+  if (left < model_.least_light) {
+    pixel.done = true;
+    return false;
+  }
+  pixel.color += pixel.light * alpha * seen.color;
+  pixel.depth += pixel.light * alpha * seen.depth;
+  pixel.light = left;
+  return true;
+}
+
 std::uint64_t Frame::draw(const View& view, int y_begin) {
   const int y_end = std::min(y_begin + band_rows, image_.y + image_.height);
   const auto pitch = static_cast<std::size_t>(image_.width);
@@ -288,31 +293,67 @@ std::uint64_t Frame::draw(const View& view, int y_begin) {
       for (int x = seen.x_begin; x < seen.x_end; ++x) {
         Pixel& pixel = pixels[index(x, y)];
         if (pixel.done) continue;
-        const double gauss = std::exp(-0.5 * distance_squared(seen, view, x, y));
-        const double alpha = std::min(model_.most_alpha, seen.opacity * gauss);
-        if (!(alpha >= model_.least_alpha)) continue;
-        const double left = pixel.light * (1.0 - alpha);
-        if (left < model_.least_light) {
-          pixel.done = true;
-          continue;
-        }
-        pixel.color += pixel.light * alpha * seen.color;
-        pixel.depth += pixel.light * alpha * seen.depth;
-        pixel.light = left;
-        ++fragments;
+        const double alpha = alpha_at(seen, view, x, y);
+        if (alpha > 0.0 && blend(seen, alpha, pixel)) ++fragments;
       }
   PixelSum* sum = sums_.data() + static_cast<std::size_t>(y_begin - image_.y) * pitch;
   for (const Pixel& pixel : pixels) finish(pixel, *sum++);
   return fragments;
 }
 
+/// Model section 14.7, pixel by pixel: the splats between two surfaces are a picture of their own, from the
+/// depth of the one up to that of the other, and all these pictures and surfaces lie over each other.
+std::uint64_t Frame::draw_among_surfaces(const View& view, int y_begin) {
+  const int y_end = std::min(y_begin + band_rows, image_.y + image_.height);
+  std::uint64_t fragments = 0;
+  for (int y = y_begin; y < y_end; ++y)
+    for (int x = image_.x; x < image_.x + image_.width; ++x) {
+      const std::vector<reference::Surface> surfaces = surfaces_.of_pixel(x, y);
+      std::vector<Pixel> runs(surfaces.size() + 1);
+      for (const Seen& seen : seen_) {
+        if (y < seen.y_begin || y >= seen.y_end || x < seen.x_begin || x >= seen.x_end) continue;
+        const double alpha = alpha_at(seen, view, x, y);
+        for (std::size_t k = 0; k < runs.size() && alpha > 0.0; ++k) {
+          const bool behind_last = k == 0 || seen.depth >= surfaces[k - 1].depth,
+                     before_next = k == surfaces.size() || seen.depth < surfaces[k].depth;
+          if (behind_last && before_next && !runs[k].done && blend(seen, alpha, runs[k])) ++fragments;
+        }
+      }
+      // Colours from the back to the front, alpha and depth the other way round.
+      Vector3d color = scene_.background.head<3>().cast<double>();
+      for (std::size_t k = runs.size(); k-- > 0;) {
+        for (int c = 0; c < 3; ++c) color[c] = covered(runs[k].color[c], runs[k].light, color[c]);
+        if (k == 0) break;
+        const reference::Surface& surface = surfaces[k - 1];
+        color =
+            surface.coverage * surface.color.head<3>() + (1.0 - surface.coverage * surface.color.w()) * color;
+      }
+      PixelSum& sum = sums_[static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) +
+                            static_cast<std::size_t>(x - image_.x)];
+      sum.color += color;
+      double light = 1.0;
+      for (std::size_t k = 0; k < runs.size(); ++k) {
+        sum.depth += light * runs[k].depth;
+        light *= runs[k].light;
+        if (k == surfaces.size()) break;
+        const double alpha = surfaces[k].coverage * surfaces[k].color.w();
+        sum.depth += light * alpha * surfaces[k].depth;
+        light *= 1.0 - alpha;
+      }
+      sum.alpha += 1.0 - light;
+    }
+  return fragments;
+}
+
+/// What is behind splats, one channel of light, with these over it.
+double Frame::covered(double color, double light, double behind) const {
+  return linear_ ? color + light * behind : decoded(color + light * encoded(behind));
+}
+
 /// Splats are blended over what is behind them in the values they were trained in.
 void Frame::finish(const Pixel& pixel, PixelSum& sum) const {
-  for (int c = 0; c < 3; ++c) {
-    const double behind = double{scene_.background[c]};
-    sum.color[c] += linear_ ? pixel.color[c] + pixel.light * behind
-                            : decoded(pixel.color[c] + pixel.light * encoded(behind));
-  }
+  for (int c = 0; c < 3; ++c)
+    sum.color[c] += covered(pixel.color[c], pixel.light, double{scene_.background[c]});
   sum.alpha += 1.0 - pixel.light;
   sum.depth += pixel.depth;
 }
@@ -327,8 +368,6 @@ Status validate(const Scene& scene, const SplatReferenceOptions& options) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];
     const std::string field = "/objects/" + std::to_string(i);
-    if (object.cloud.size() > 0)
-      return Error{"", field, "is made of discs, which this reference does not draw", ErrorKind::unsupported};
     if (object.splats.size() == 0) continue;
     if (first != nullptr && blends_linearly(scene, *first) != blends_linearly(scene, object))
       return Error{"", field,

@@ -1,5 +1,6 @@
-// The reference for Gaussian splats: the plain mean of still images, in double precision, splat by splat and
-// pixel by pixel. It shares nothing with the engine.
+// The reference for Gaussian splats, by themselves or among discs and meshes: the plain mean of still images,
+// in double precision, splat by splat and pixel by pixel. It shares nothing with the engine; discs and meshes
+// are those of render_reference() along true paths.
 //
 // Sources: model section 14; Kerbl et al. 2023, 3D Gaussian Splatting (projection, blending, constants);
 // Yu et al. 2023, Mip-Splatting (antialiased files); Huang et al. 2024, 2D Gaussian Splatting (discs).
@@ -23,8 +24,8 @@ struct SplatReferenceOptions {
 ///
 /// Statistics: "samples" N, "splats", and "fragments": places where a splat was blended into a pixel.
 ///
-/// Of `control` stop, progress and log are looked at. Errors: options or scene out of range, discs in the
-/// scene, not enough memory, and a render that was stopped.
+/// Of `control` stop, progress and log are looked at. Errors: options or scene out of range, rows exposed one
+/// after the other, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_splat_reference(const Scene& scene,
                                                       const SplatReferenceOptions& options,
                                                       const RenderControl& control = {});

@@ -7,6 +7,7 @@
 #include "abuffer/parallel.h"
 #include "abuffer/splats/film_motion.h"
 #include "abuffer/splats/placed_lanes.h"
+#include "abuffer/splats/posed_packet.h"
 #include "abuffer/splats/splat_cell.h"
 
 namespace swept {
@@ -70,8 +71,10 @@ std::vector<FilmMotion::CoarseSplat> FilmMotion::gather(const Scene& scene,
   for (std::size_t i = 0; i < sets.size(); ++i) {
     if (!sets[i].moves) continue;
     const SplatPose pose(scene, sets[i], frame);
+    PosedPacket memory;
     for (std::size_t p = 0; p < sets[i].count; ++p) {
-      const PlacedLanes at = placed_lanes(math, sets[i].fields(p), pose.view, pose.origin(sets[i], p));
+      const PlacedLanes at =
+          placed_lanes(math, fields_at(sets[i], p, pose, memory), pose.view, pose.origin(sets[i], p));
       for (std::uint32_t rest = at.seen; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
         add(at.lanes[lane], of_sets_[i][p * static_cast<std::size_t>(packet_size) + lane],
@@ -93,7 +96,7 @@ void FilmMotion::draw(const Scene& scene, const std::vector<CoarseSplat>& seen, 
     PlacedSplat splat = from.splat;
     const Way& way = from.path.way;
     if (what == Look::spreads) {
-      splat.red = way.spread * way.spread;
+      splat.red = way.spread * way.spread + from.path.fade * from.path.fade;
     } else if (what == Look::ways) {
       // Fine splats have the frequencies that matter: they count by their inverse variances.
       const float length = std::hypot(way.x, way.y);

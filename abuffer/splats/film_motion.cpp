@@ -5,6 +5,7 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/splats/placed_lanes.h"
+#include "abuffer/splats/posed_packet.h"
 #include "abuffer/tiles/path_frames.h"
 
 namespace swept {
@@ -38,6 +39,45 @@ struct Box {
   }
 };
 
+/// Training time that passes during the exposure.
+double clip_time(const SplatPackets& set, const Exposure& exposure) {
+  const auto& motion = set.object->splats.motion;
+  return motion ? (exposure.close - exposure.open) / motion->frames : 0.0;
+}
+
+/// The exposure in standard deviations of how a splat comes and goes, of those that move by themselves.
+double fade_of(const SplatPackets& set, std::size_t packet, std::size_t lane, const Exposure& exposure) {
+  constexpr double most = 1e6;
+  const float duration =
+      set.motions[(own_numbers * packet + own_duration) * static_cast<std::size_t>(packet_size) + lane];
+  return std::min(most, std::sqrt(2.0) * clip_time(set, exposure) / double{duration});
+}
+
+/// Whether it is there at any time of the exposure.
+bool comes(const SplatPackets& set, std::size_t packet, std::size_t lane, double open, double close,
+           double least_alpha) {
+  constexpr auto lanes = static_cast<std::size_t>(packet_size);
+  const auto number = [&](std::size_t which) {
+    return double{set.motions[(own_numbers * packet + which) * lanes + lane]};
+  };
+  if ((set.lanes[packet] >> lane & 1u) == 0) return false;
+  const double nearest = std::clamp(number(own_center), open, close) - number(own_center),
+               share = nearest / number(own_duration);
+  return double{set.opacities[packet * lanes + lane]} * std::exp(-share * share) >= least_alpha;
+}
+
+/// Frames at which splats that move by themselves are looked at besides: their paths are cubic, and what
+/// fades is nowhere at the exposure's ends.
+std::vector<double> frames_of_clip(const SplatPackets& set, const Exposure& exposure) {
+  const double time = clip_time(set, exposure);
+  if (time == 0.0) return {exposure.open, exposure.close};
+  constexpr double a_clip = 64.0, least = 4.0, most = 32.0;
+  const int steps = static_cast<int>(std::clamp(std::ceil(a_clip * time), least, most));
+  std::vector<double> frames;
+  for (int i = 0; i <= steps; ++i) frames.push_back(exposure.at(static_cast<double>(i) / steps));
+  return frames;
+}
+
 void largest(std::atomic<float>& most, float value) {
   float seen = most.load(std::memory_order_relaxed);
   while (seen < value && !most.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
@@ -56,9 +96,11 @@ FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::
 
 void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
                         const SplatMath& math, const CellGrid& grid, Paths& paths) {
-  std::vector<double> frames = path_frames(scene, *set.object, {exposure.open, exposure.close}, exposure);
-  // What turns too fast to be followed may be anywhere, and so may all where the camera moves.
-  const bool anywhere = frames.empty() || !scene.camera.constant_over(exposure.open, exposure.close);
+  std::vector<double> frames = path_frames(scene, *set.object, frames_of_clip(set, exposure), exposure);
+  // What turns too fast to be followed may be anywhere, and so may all where the camera moves; what fades may
+  // be seen between two looks alone.
+  const bool own = !set.motions.empty();
+  const bool anywhere = frames.empty() || own || !scene.camera.constant_over(exposure.open, exposure.close);
   if (frames.empty()) frames = {exposure.open, exposure.close};
   // Where all cells are taken for touched, a path need not be followed that closely.
   constexpr std::size_t enough = 33;
@@ -79,22 +121,25 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
   paths.assign(set.count * static_cast<std::size_t>(packet_size), Path{});
   std::vector<std::atomic<char>> touched(grid.size());
   std::atomic<bool> lost{anywhere}, jumps{jumps_};
-  std::atomic<float> fastest{fastest_px_}, widest{fastest_spread_};
+  std::atomic<float> fastest{fastest_px_}, widest{fastest_spread_}, briefest{briefest_};
+  const double clip_open = poses.front().clip_time, clip_close = poses.back().clip_time;
   parallel_for_each_index((set.count + packets_a_run - 1) / packets_a_run, [&](std::size_t r) {
     std::vector<PlacedLanes> at(poses.size());
+    std::vector<PosedPacket> posed(poses.size());
     for (std::size_t p = r * packets_a_run; p < std::min((r + 1) * packets_a_run, set.count); ++p) {
       for (std::size_t k = 0; k < poses.size(); ++k) {
         SplatOrigin origin = poses[k].origin(set, p);
         origin.pixel_x += shift_x, origin.pixel_y += shift_y;
-        at[k] = placed_lanes(math, set.fields(p), poses[k].view, origin);
+        at[k] = placed_lanes(math, fields_at(set, p, poses[k], posed[k]), poses[k].view, origin);
       }
       for (std::size_t lane = 0; lane < static_cast<std::size_t>(packet_size); ++lane) {
         const auto seen = [&](std::size_t k) { return (at[k].seen >> lane & 1u) != 0; };
+        const auto faded = [&](std::size_t k) { return own && posed[k].opacity[lane] == 0.0f; };
         double length = 0.0, spread = 0.0, way_x = 0.0, way_y = 0.0;
         for (std::size_t k = 0; k + 1 < at.size(); ++k) {
           if (!seen(k) || !seen(k + 1)) {
-            // Through the near plane, or from far away.
-            if (seen(k) != seen(k + 1)) {
+            // Through the near plane, or from far away; who fades does neither.
+            if (seen(k) != seen(k + 1) && !faded(k) && !faded(k + 1)) {
               lost.store(true, std::memory_order_relaxed);
               const PlacedSplat& one = at[seen(k) ? k : k + 1].lanes[lane];
               if (one.x_last >= shift_x && one.x_first < shift_x + grid.film.width && one.y_last >= shift_y &&
@@ -116,6 +161,11 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
         Path& path = paths[p * static_cast<std::size_t>(packet_size) + lane];
         path.way = {static_cast<float>(longer * way_x), static_cast<float>(longer * way_y),
                     static_cast<float>(spread)};
+        if (own) {
+          path.fade = static_cast<float>(fade_of(set, p, lane, exposure));
+          if (comes(set, p, lane, clip_open, clip_close, scene.splats.least_alpha))
+            largest(briefest, path.fade);
+        }
         if (seen(0)) path.first_depth = at.front().lanes[lane].depth;
         if (seen(at.size() - 1)) path.last_depth = at.back().lanes[lane].depth;
         if (anywhere) continue;
@@ -142,7 +192,7 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
     }
   });
   jumps_ = jumps;
-  fastest_px_ = fastest, fastest_spread_ = widest;
+  fastest_px_ = fastest, fastest_spread_ = widest, briefest_ = briefest;
   for (std::size_t cell = 0; cell < grid.size(); ++cell)
     if (lost || touched[cell] != 0) touched_[cell] = 1;
 }

@@ -52,6 +52,9 @@ class FilmMotion {
   [[nodiscard]] double jumps_of(std::size_t cell) const { return jumps_of_.empty() ? 0.0 : jumps_of_[cell]; }
   /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
   [[nodiscard]] bool jumps() const { return jumps_; }
+  /// The exposure in standard deviations of how the briefest splat comes and goes that is there then, seen at
+  /// some instant or not; 0: none does.
+  [[nodiscard]] float briefest() const { return briefest_; }
   /// The longest way of a splat on the film, px, and the same in its standard deviations.
   [[nodiscard]] float fastest_px() const { return fastest_px_; }
   [[nodiscard]] float fastest_spread() const { return fastest_spread_; }
@@ -61,6 +64,7 @@ class FilmMotion {
   struct Path {
     Way way;
     float first_depth = 0.0f, last_depth = 0.0f;
+    float fade = 0.0f;  ///< the exposure in standard deviations of how it comes and goes
   };
   using Paths = std::vector<Path>;
   enum class Look { spreads, ways, first_order, last_order };
@@ -93,7 +97,7 @@ class FilmMotion {
   std::vector<double> jumps_of_;
   std::size_t way_columns_ = 0;
   bool jumps_ = false;
-  float fastest_px_ = 0.0f, fastest_spread_ = 0.0f;
+  float fastest_px_ = 0.0f, fastest_spread_ = 0.0f, briefest_ = 0.0f;
 };
 
 /// Instants to begin with for `spread` and an error in dB, of 2, 3, 4, 6, 8, 12, …

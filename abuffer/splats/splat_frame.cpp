@@ -97,6 +97,7 @@ class SplatFrame {
   void begin_cells();
   void forecast(const SplatRow& standing);
   void count_without_forecast(const SplatRow& standing);
+  void count_what_fades();
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
@@ -199,6 +200,18 @@ void SplatFrame::count_without_forecast(const SplatRow& standing) {
   }
 }
 
+/// No fewer than show a splat that comes and goes during the exposure: where it does is not looked for.
+void SplatFrame::count_what_fades() {
+  constexpr int most = 65;
+  const double first_db = options_.max_seconds > 0.0 ? 30.0 : options_.max_error_db;
+  const int least = std::min(most, first_splat_instants(motion_->briefest(), first_db));
+  for (CellWork& work : cells_) {
+    if (!work.adaptive || !motion_->moves(work.index)) continue;
+    work.count = std::max(work.count, least);
+    if (work.has_middle) work.count |= 1;
+  }
+}
+
 /// How many instants each cell begins with.
 void SplatFrame::plan() {
   begin_cells();
@@ -209,6 +222,7 @@ void SplatFrame::plan() {
     if (std::any_of(cells_.begin(), cells_.end(),
                     [](const CellWork& work) { return work.adaptive && !work.forecast; }))
       count_without_forecast(standing);
+    if (motion_ != nullptr && motion_->briefest() > 0.0f) count_what_fades();
   }
   std::size_t splats = 0;
   for (const SplatPackets& set : sets_) splats += set.moves ? set.splats : 0;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "abuffer/sources/content_order.h"
+#include "abuffer/splats/posed_packet.h"
 #include "splat/motion/instant.h"
 
 namespace swept {
@@ -29,9 +30,35 @@ bool less_by_content(const SplatCloud& cloud, std::uint32_t a, std::uint32_t b) 
   if (cloud.opacity[a] != cloud.opacity[b]) return cloud.opacity[a] < cloud.opacity[b];
   if (!cloud.velocity.empty())
     if (const int c = compare(cloud.velocity[a], cloud.velocity[b])) return c < 0;
+  if (cloud.motion) {
+    const SplatMotion& m = *cloud.motion;
+    if (m.center[a] != m.center[b]) return m.center[a] < m.center[b];
+    if (m.duration[a] != m.duration[b]) return m.duration[a] < m.duration[b];
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const int c = compare(m.path[a][k], m.path[b][k])) return c < 0;
+    if (const int c = compare(m.turn[a], m.turn[b])) return c < 0;
+  }
   const auto floats = static_cast<std::size_t>(3 * SplatCloud::coefficients(cloud.degree));
   const float *of_a = cloud.harmonics.data() + floats * a, *of_b = cloud.harmonics.data() + floats * b;
   return std::lexicographical_compare(of_a, of_a + floats, of_b, of_b + floats);
+}
+
+/// How splat `i` moves by itself, and what turns with it.
+void pack_motion(const SplatCloud& cloud, std::size_t i, std::size_t p, std::size_t lane, SplatPackets& to) {
+  const SplatMotion& motion = *cloud.motion;
+  const auto field = [&](std::size_t which) -> float& {
+    return to.motions[(own_numbers * p + which) * lanes_of_packet + lane];
+  };
+  field(own_center) = motion.center[i];
+  field(own_duration) = motion.duration[i];
+  for (std::size_t k = 0; k < 9; ++k) field(own_path + k) = motion.path[i][k / 3][static_cast<int>(k % 3)];
+  const Eigen::Quaternionf& q = cloud.rotation[i];
+  const float rotation[4] = {q.w(), q.x(), q.y(), q.z()};
+  for (std::size_t k = 0; k < 4; ++k) {
+    field(own_turn + k) = motion.turn[i][static_cast<int>(k)];
+    field(own_rotation + k) = rotation[k];
+  }
+  for (std::size_t k = 0; k < 3; ++k) field(own_scale + k) = cloud.scale[i][static_cast<int>(k)];
 }
 
 void pack_packet(const SplatCloud& cloud, const std::uint32_t* splats, std::size_t p, SplatPackets& to) {
@@ -54,7 +81,8 @@ void pack_packet(const SplatCloud& cloud, const std::uint32_t* splats, std::size
       field(to.offsets, 3, k) = static_cast<float>(offset[static_cast<int>(k)]);
       if (!to.velocities.empty()) field(to.velocities, 3, k) = cloud.velocity[i][static_cast<int>(k)];
     }
-    for (std::size_t k = 0; k < 9; ++k)
+    if (!to.motions.empty()) pack_motion(cloud, i, p, lane, to);
+    for (std::size_t k = 0; k < 9 && !to.axes.empty(); ++k)
       field(to.axes, 9, k) = static_cast<float>(axes(static_cast<int>(k % 3), static_cast<int>(k / 3)));
     to.opacities[p * lanes_of_packet + lane] = cloud.opacity[i];
     for (std::size_t k = 0; k < floats; ++k) field(to.harmonics, floats, k) = cloud.harmonics[floats * i + k];
@@ -82,7 +110,10 @@ SplatPackets pack(const Object& object, const std::vector<std::uint32_t>& order,
   const std::size_t padded = splats.size();
   packets.origins.resize(packets.count);
   packets.offsets.resize(3 * padded);
-  packets.axes.resize(9 * padded);
+  if (cloud.motion)
+    packets.motions.resize(own_numbers * padded);
+  else
+    packets.axes.resize(9 * padded);
   if (moves && !cloud.velocity.empty()) packets.velocities.resize(3 * padded);
   packets.opacities.resize(padded);
   packets.harmonics.resize(static_cast<std::size_t>(3 * SplatCloud::coefficients(cloud.degree)) * padded);
@@ -101,8 +132,8 @@ std::uint64_t content_hash(const SplatPackets& packets, const Exposure& exposure
   };
   for (const Eigen::Vector3d& origin : packets.origins)
     for (int k = 0; k < 3; ++k) mix(std::bit_cast<std::uint64_t>(origin[k]));
-  for (const std::vector<float>* values :
-       {&packets.offsets, &packets.axes, &packets.velocities, &packets.opacities, &packets.harmonics})
+  for (const std::vector<float>* values : {&packets.offsets, &packets.axes, &packets.velocities,
+                                           &packets.motions, &packets.opacities, &packets.harmonics})
     for (const float value : *values) mix(std::bit_cast<std::uint32_t>(value));
   for (const double share : {0.0, 0.5, 1.0}) {
     const Eigen::Affine3d world = packets.object->transform.at(exposure.at(share));
@@ -117,7 +148,7 @@ SplatFields SplatPackets::fields(std::size_t packet) const {
   const std::size_t at = packet * lanes_of_packet;
   const int coefficients = SplatCloud::coefficients(object->splats.degree);
   return {offsets.data() + 3 * at,
-          axes.data() + 9 * at,
+          axes.empty() ? nullptr : axes.data() + 9 * at,
           velocities.empty() ? nullptr : velocities.data() + 3 * at,
           opacities.data() + at,
           harmonics.data() + static_cast<std::size_t>(3 * coefficients) * at,
@@ -145,6 +176,7 @@ std::size_t packed_splat_bytes(const Scene& scene) {
   std::size_t bytes = 0;
   for (const Object& object : scene.objects) {
     const std::size_t floats = 13 + (object.splats.velocity.empty() ? 0u : 3u) +
+                               (object.splats.motion ? own_numbers - 9 : 0u) +
                                static_cast<std::size_t>(3 * SplatCloud::coefficients(object.splats.degree));
     const std::size_t packets = (object.splats.size() + lanes_of_packet - 1) / lanes_of_packet;
     bytes += packets *
@@ -169,7 +201,7 @@ std::vector<SplatPackets> pack_splats(const Scene& scene, const Exposure& exposu
     };
     // At an instant splats with velocities are not where the file has them, and so are packed with those.
     const auto moves = [&](std::uint32_t i) {
-      return all_move || (!cloud.velocity.empty() && !cloud.velocity[i].isZero(0.0f));
+      return all_move || cloud.motion || (!cloud.velocity.empty() && !cloud.velocity[i].isZero(0.0f));
     };
     for (const bool moving : {false, true}) {
       if (moving && only_standing && !exposure.instant()) continue;
@@ -209,7 +241,9 @@ SplatPose::SplatPose(const Scene& scene, const SplatPackets& packets, double fra
     view.linear[i] = static_cast<float>(linear(i / 3, i % 3));
     view.turn[i] = static_cast<float>(to_object(i / 3, i % 3));
   }
-  view.frames = static_cast<float>(frame - packets.object->splats.frame);
+  const SplatCloud& cloud = packets.object->splats;
+  view.frames = static_cast<float>(frame - cloud.frame);
+  if (cloud.motion) clip_time = (frame - cloud.frame) / cloud.motion->frames;
   view.focal_x = static_cast<float>(focal_x_);
   view.focal_y = static_cast<float>(focal_y_);
   // x/z and y/z in the Jacobian are held to 0.3 of half the film beyond its edges: as implementations have

@@ -21,8 +21,9 @@ struct SplatPackets {
   std::size_t splats = 0, count = 0;     ///< count: of packets
   std::vector<Eigen::Vector3d> origins;  ///< by packet, object space
   std::vector<float> offsets;            ///< 3 · 16 a packet
-  std::vector<float> axes;               ///< 9 · 16
+  std::vector<float> axes;               ///< 9 · 16, or empty where there are motions
   std::vector<float> velocities;         ///< 3 · 16, or empty
+  std::vector<float> motions;            ///< 22 · 16 (posed_packet.h), or empty
   std::vector<float> opacities;          ///< 16
   std::vector<float> harmonics;          ///< coefficients · 3 · 16
   std::vector<std::uint32_t> lanes;      ///< that hold a splat, a bit each
@@ -33,7 +34,8 @@ struct SplatPackets {
 /// Whether the splats of a scene can be blended into one picture.
 [[nodiscard]] Status check_splats(const Scene& scene);
 
-/// Bytes that pack_splats() keeps: 60 a splat and 12 a coefficient, 252 at degree 3; 12 more with velocities.
+/// Bytes that pack_splats() keeps: 60 a splat and 12 a coefficient, 252 at degree 3; 12 more with velocities,
+/// 52 more where they move by themselves.
 [[nodiscard]] std::size_t packed_splat_bytes(const Scene& scene);
 
 /// Packs every object's splats, those that can be seen at all, in an order that depends on their content and
@@ -49,6 +51,7 @@ class SplatPose {
   [[nodiscard]] SplatOrigin origin(const SplatPackets& packets, std::size_t packet) const;
 
   SplatView view;
+  double clip_time = 0.0;  ///< that of training, of splats that move by themselves
 
  private:
   Eigen::Affine3d world_from_object_;

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "abuffer/parallel.h"
+#include "abuffer/splats/posed_packet.h"
 
 namespace swept {
 namespace {
@@ -71,8 +72,9 @@ void SplatRow::place(const Scene& scene, const std::vector<SplatPackets>& sets, 
       std::vector<PlacedSplat>& own = placed[r];
       own.resize((end - begin) * static_cast<std::size_t>(packet_size));
       PlacedSplat* to = own.data();
+      PosedPacket memory;
       for (std::size_t p = begin; p < end; ++p)
-        to += std::popcount(math.place(set.fields(p), pose.view, pose.origin(set, p), to));
+        to += std::popcount(math.place(fields_at(set, p, pose, memory), pose.view, pose.origin(set, p), to));
       own.resize(static_cast<std::size_t>(to - own.data()));
     });
     const std::size_t first = splats_.size();

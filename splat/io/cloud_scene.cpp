@@ -73,6 +73,7 @@ Result<Brightness> brightness_of(const std::string& path, bool skip_invalid) {
 Status look_at_splats(const std::string& path, bool skip_invalid, Sample& sample) {
   SplatReadOptions options;
   options.skip_invalid = skip_invalid;
+  options.motion = true;
   const Result<LoadedSplats> loaded = read_splats(path, options);
   if (!loaded) return loaded.error();
   const SplatCloud& splats = loaded->splats;

@@ -43,7 +43,8 @@ class Layout {
     has_opacity = take("opacity", opacity);
     if (Status s = plan_colors(path, vertex); !s) return s;
     for (const AttributeNames& attribute : attribute_names())
-      if (attribute.attribute == std::string_view("velocity")) plan_velocity(vertex, attribute);
+      if (!has_motion && attribute.attribute == std::string_view("velocity"))
+        plan_velocity(vertex, attribute);
     return Done{};
   }
 

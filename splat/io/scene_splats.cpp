@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "splat/fields.h"
 #include "splat/io/sequence.h"
 #include "splat/io/source_files.h"
 
@@ -64,6 +65,7 @@ Result<LoadedSplats> load_splats(const ObjectSource& source, const Object& objec
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
     key = {file->frame, file->path};
     options.skip_invalid = file->skip_invalid;
+    options.motion = true;
   } else {
     Result<KeyFile> shown = file_of_frame(source, scene, note);
     if (!shown) return shown.error();
@@ -73,6 +75,14 @@ Result<LoadedSplats> load_splats(const ObjectSource& source, const Object& objec
   if (!loaded) return loaded;
   SplatCloud& splats = loaded->splats;
   splats.frame = key.frame;
+  if (loaded->motion) {
+    loaded->motion->frames = scene.splats.clip_frames;
+    splats.motion = std::move(loaded->motion);
+    loaded->motion.reset();
+    loaded->report.assumed.push_back("splats move by themselves, over a clip of " +
+                                     shortest_text(scene.splats.clip_frames) + " frames from frame " +
+                                     shortest_text(key.frame) + " on, which no file says");
+  }
   if (source.velocity == VelocityUnit::ignore) splats.velocity.clear();
   if (source.velocity == VelocityUnit::per_second)
     for (Eigen::Vector3f& velocity : splats.velocity)

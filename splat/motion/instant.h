@@ -38,7 +38,7 @@ struct Instant {
 /// Whether object, points and camera keep their bits over the whole exposure, of all rows.
 [[nodiscard]] inline bool stands_still(const Scene& scene, const Object& object, const Exposure& exposure) {
   const Exposure all = exposure.of_all_rows(scene.film.height);
-  return all.instant() || (!object.cloud.moves() && object.splats.velocity.empty() &&
+  return all.instant() || (!object.cloud.moves() && !object.splats.moves() &&
                            object.transform.constant_over(all.open, all.close) &&
                            scene.camera.constant_over(all.open, all.close));
 }
