@@ -1,5 +1,5 @@
 // The sampled methods that analytical ones are judged against: points in pixel, lens and time, each met by
-// what is there at its instant. Source: Gribel et al. 2013, section 4; model sections 1, 15 and 16.
+// what is there at its instant. Source: Gribel et al. 2013, section 4; model section 18.
 #pragma once
 
 #include "splat/export.h"
