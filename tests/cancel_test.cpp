@@ -13,6 +13,7 @@
 #include "abuffer/layers.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
+#include "abuffer/stochastic/stochastic.h"
 #include "small_scenes.h"
 
 namespace swept {
@@ -146,6 +147,22 @@ TEST(Cancel, ReferencesReturnSoon) {
   expect_soon("reference, splats", kind_of([&](const RenderControl& control) {
                 return render_reference(splats, {.samples = 1024}, control);
               }));
+}
+
+TEST(Cancel, StochasticRendersReturnSoon) {
+  Scene scene = large_scene();
+  expect_soon("stochastic", kind_of([&](const RenderControl& control) {
+                return render_stochastic(scene, {.samples = 256}, control);
+              }));
+  // Large triangles between points that are far apart, of which each pixel has many.
+  Object& object = scene.objects[0];
+  for (std::uint32_t i = 0; i + 40000 < object.cloud.size(); ++i)
+    object.triangles.push_back({i, i + 1, i + 20000});
+  object.cloud.opacity.assign(object.cloud.size(), 0.5f);
+  for (const Traversal traversal : {Traversal::tile, Traversal::interval, Traversal::interleave})
+    expect_soon("stochastic, triangles", kind_of([&](const RenderControl& control) {
+                  return render_stochastic(scene, {.samples = 64, .traversal = traversal}, control);
+                }));
 }
 
 TEST(Cancel, LayersReturnSoon) {

@@ -20,6 +20,7 @@
 #include "abuffer/layers.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
+#include "abuffer/stochastic/stochastic.h"
 #include "datasets/generators.h"
 #include "small_scenes.h"
 #include "splat/arrays.h"
@@ -162,6 +163,12 @@ TEST(NoThrow, WhenMemoryRunsOutInARender) {
   expect_no_throw("render_sampled of splats",
                   [&] { return end_of(render_sampled(splats, {.max_error_db = 30.0}, one_thread)); });
   expect_no_throw("render_abuffer", [&] { return end_of(render_abuffer(discs, {}, one_thread)); });
+  expect_no_throw("render_stochastic",
+                  [&] { return end_of(render_stochastic(discs, {.samples = 4}, one_thread)); });
+  Scene triangles = discs;
+  triangles.objects[0].triangles = {{0, 1, 2}, {3, 4, 5}};
+  expect_no_throw("render_stochastic of triangles",
+                  [&] { return end_of(render_stochastic(triangles, {.samples = 4}, one_thread)); });
   expect_no_throw("render_reference",
                   [&] { return end_of(render_reference(discs, {.samples = 2}, one_thread)); });
   expect_no_throw("render_reference along the true path", [&] {

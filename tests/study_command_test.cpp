@@ -91,6 +91,16 @@ TEST_F(StudyCommand, JudgesImagesThatAreAdded) {
   EXPECT_EQ(study("'" + scene_ + "' --add a=mine.exr"), 2) << "two scenes";
 }
 
+TEST_F(StudyCommand, MeasuresTraversalsWhereTheyAreAskedFor) {
+  ASSERT_EQ(study("--parts traversal --quick --size 24x16"), 0) << log();
+  const json traversal = document().at("traversal");
+  ASSERT_EQ(traversal.at("rows").size(), 1u);
+  EXPECT_EQ(traversal["rows"][0]["scene"], "ball");
+  EXPECT_TRUE(traversal["rows"][0]["error"].is_null());
+  EXPECT_EQ(traversal["findings"].size(), 2u);
+  EXPECT_NE(content_of(output_ + "/report.html").find("Gribel et al. 2013, redone"), std::string::npos);
+}
+
 TEST_F(StudyCommand, LeavesAReportTheDataAndTheImages) {
   ASSERT_EQ(study("--parts scenes --methods abuffer,sampled"), 0) << log();
   EXPECT_EQ(content_of(folder_ / "out"), output_ + "/report.html\n");

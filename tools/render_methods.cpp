@@ -11,6 +11,7 @@
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
+#include "abuffer/stochastic/stochastic.h"
 #include "tools/gpu_method.h"
 
 namespace swept {
@@ -104,6 +105,35 @@ Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const
                         fmt::format("reference {} {}", options.samples, motion)};
 }
 
+Result<PreparedMethod> prepare_stochastic(const MethodArguments& arguments, const RenderControl& control) {
+  StochasticOptions options;
+  options.samples = arguments.whole("--samples", options.samples);
+  const std::string traversal = arguments.text("--traversal", "tile-4");
+  const std::size_t dash = traversal.find('-');
+  const int number = dash == std::string::npos ? 0 : std::stoi(traversal.substr(dash + 1));
+  if (traversal.starts_with("tile")) {
+    options.tile_px = number;
+  } else if (traversal.starts_with("interval")) {
+    options.traversal = Traversal::interval;
+    options.intervals = number;
+  } else {
+    options.traversal = Traversal::interleave;
+  }
+  const bool hulls = arguments.text("--tile-bounds", "slefes") == "hulls";
+  options.bounds = hulls ? CurveBounds::hulls : CurveBounds::slefes;
+  if (const Status valid = options.validate(); !valid)
+    return Error{"", "--samples", valid.error().reason, valid.error().kind};
+  return PreparedMethod{std::make_shared<OneByOne>(
+                            [options](const Scene& scene, const RenderControl& within) {
+                              return render_stochastic(scene, options, within);
+                            },
+                            control),
+                        {{"threads", control.threads}, {"samples", options.samples}},
+                        // The other traversals change no bit.
+                        fmt::format("stochastic {}{}", options.samples,
+                                    options.traversal == Traversal::interleave ? ", shared instants" : "")};
+}
+
 Result<PreparedMethod> prepare_gpu(const MethodArguments& arguments, bool still_frames) {
   GpuChoice choice;
   choice.still_frames = still_frames;
@@ -188,6 +218,11 @@ const std::vector<RenderMethod>& render_methods() {
        gpu_built,
        prepare_six_pass},
       {"gpu-still", "still images averaged on a GPU", {"--subframes", "--gpu"}, gpu_built, prepare_gpu_still},
+      {"stochastic",
+       "points in pixel, lens and time, at random",
+       {"--samples", "--traversal", "--tile-bounds"},
+       true,
+       prepare_stochastic},
       {"reference", "the slow reference", {"--samples", "--reference-motion"}, true, prepare_reference}};
   return methods;
 }
@@ -217,13 +252,26 @@ const std::vector<MethodOption>& method_options() {
        .words = {"interval", "pixel"}},
       {.name = "--samples",
        .kind = Kind::whole,
-       .help = "Instants that are averaged [sampled: as --max-error asks; reference: 256, even]",
+       .help =
+           "Instants that are averaged [sampled: as --max-error asks; reference: 256, even], or samples of a "
+           "pixel [stochastic: 128]",
        .low = 1,
        .high = 1 << 20},
       {.name = "--reference-motion",
        .kind = Kind::word,
        .help = "What the reference moves the points along: the linear segments, or the true path [segments]",
        .words = {"segments", "smooth"}},
+      {.name = "--traversal",
+       .kind = Kind::word,
+       .help =
+           "How samples are found that moving things may cover: by tiles of so many pixels, by parts of the "
+           "exposure, or 256 instants that samples share, which alone is another image [tile-4]",
+       .words = {"tile-1", "tile-2", "tile-4", "tile-8", "interval-4", "interval-16", "interval-64",
+                 "interleave"}},
+      {.name = "--tile-bounds",
+       .kind = Kind::word,
+       .help = "What encloses moving edges in tiles; changes no bit [slefes]",
+       .words = {"slefes", "hulls"}},
       {.name = "--subframes",
        .kind = Kind::whole,
        .help = "Parts of the exposure that the GPU draws one by one; 0 chooses them from the motion [0]",

@@ -19,7 +19,7 @@ foreach(header atomic_file cloud_scene cloud_source image_file point_file read_r
   list(APPEND swept_headers splat/io/${header}.h)
 endforeach()
 list(APPEND swept_headers abuffer/abuffer.h abuffer/layers.h abuffer/sampled.h abuffer/reference/reference.h
-     datasets/generators.h)
+     abuffer/stochastic/stochastic.h datasets/generators.h)
 if(SWEPT_GPU)
   list(APPEND swept_headers gpu_passes/gpu_renderer.h)
 endif()

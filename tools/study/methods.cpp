@@ -9,6 +9,7 @@
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
+#include "abuffer/stochastic/stochastic.h"
 #include "tools/gpu_method.h"
 #include "tools/study/raycast.h"
 
@@ -98,6 +99,14 @@ const std::vector<StudyMethod>& study_methods() {
        "dB",
        {45, 60, 75},
        {45, 60, 75}},
+      {"stochastic",
+       "Stochastic sampling",
+       "Samples at random times within strata of the exposure, discs through the pixel's centre, tile by "
+       "tile.",
+       "sample per pixel",
+       "samples per pixel",
+       {4, 16, 64, 256},
+       {4, 16}},
       {"raycast",
        "Stochastic ray casting",
        "Rays at random times within strata of the exposure, through the same discs, by Embree.",
@@ -156,6 +165,13 @@ Result<Renderer> renderer_of(const Setting& setting, const MethodOptions& option
       sampled.max_error_db = value;
     return Renderer([sampled, control = control_of(options)](const Scene& scene) {
       return render_sampled(scene, sampled, control);
+    });
+  }
+  if (setting.method == "stochastic") {
+    StochasticOptions stochastic;
+    stochastic.samples = value;
+    return Renderer([stochastic, control = control_of(options)](const Scene& scene) {
+      return render_stochastic(scene, stochastic, control);
     });
   }
   if (setting.method == "raycast") {

@@ -24,6 +24,7 @@
 #include "tools/study/document.h"
 #include "tools/study/plan.h"
 #include "tools/study/report.h"
+#include "tools/study/traversal.h"
 
 namespace swept {
 namespace {
@@ -40,7 +41,8 @@ struct StudyArguments {
 const std::map<std::string, StudyPart> part_names = {{"scenes", StudyPart::scenes},
                                                      {"motion", StudyPart::motion},
                                                      {"points", StudyPart::points},
-                                                     {"table1", StudyPart::table1}};
+                                                     {"table1", StudyPart::table1},
+                                                     {"traversal", StudyPart::traversal}};
 
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
@@ -86,6 +88,8 @@ class Study {
       table1_.push_back(*row);
       if (const Status written = write(); !written) return written;
     }
+    if (options_.parts.count(StudyPart::traversal) > 0)
+      if (const Status ran = run_traversals(); !ran) return ran;
     return write();
   }
 
@@ -106,9 +110,37 @@ class Study {
     return Done{};
   }
 
+  /// Each time anew: it takes little.
+  Status run_traversals() {
+    const int side_px = options_.size    ? std::max((*options_.size)[0], (*options_.size)[1])
+                        : options_.quick ? 96
+                                         : 256;
+    const int samples = options_.quick ? 16 : 64;
+    std::vector<TraversalScene> scenes;
+    for (const std::string& path : options_.scenes)
+      scenes.push_back(traversal_scene(std::filesystem::path(path).stem().string(), path, side_px));
+    if (scenes.empty()) {
+      const std::string folder = options_.runner.folder + "/scenes";
+      std::error_code code;
+      std::filesystem::create_directories(folder, code);
+      if (code) return Error{folder, "", code.message()};
+      scenes = traversal_scenes(side_px, folder);
+    }
+    for (const TraversalScene& scene : scenes) {
+      traversals_.push_back(measure_traversals(scene, samples, std::min(header_.repeats, 2)));
+      const TraversalRow& row = traversals_.back();
+      ++cells_;
+      failed_ += row.error.empty() ? 0 : 1;
+      log("traversals on {}: {}\n", row.title, row.error.empty() ? "done" : row.error);
+      if (const Status written = write(); !written) return written;
+    }
+    return Done{};
+  }
+
   Status write() {
     header_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     nlohmann::ordered_json document = study_document(header_, runner_, done_, table1_);
+    if (!traversals_.empty()) document["traversal"] = to_json(traversals_);
     const std::string& folder = options_.runner.folder;
     if (Status added = add_images(added_, folder, document); !added) return added;
     const auto replace = nlohmann::ordered_json::error_handler_t::replace;
@@ -125,6 +157,7 @@ class Study {
   StudyHeader header_;
   StudyPlan done_;
   std::vector<Table1Row> table1_;
+  std::vector<TraversalRow> traversals_;
   std::size_t failed_ = 0, cells_ = 0;
   Clock::time_point start_ = Clock::now();
 };
@@ -189,9 +222,11 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->type_name("FOLDER");
   command->add_flag("--quick", options.quick,
                     "Some two minutes: small films, a tenth of the points, few settings");
-  command->add_option("--parts", arguments->parts, "Only these: scenes, motion, points, table1")
+  command
+      ->add_option("--parts", arguments->parts,
+                   "Only these: scenes, motion, points, table1, and traversal, which no study has unasked")
       ->delimiter(',')
-      ->check(CLI::IsMember({"scenes", "motion", "points", "table1"}));
+      ->check(CLI::IsMember({"scenes", "motion", "points", "table1", "traversal"}));
   command->add_option("--methods", arguments->methods, "Only these")
       ->delimiter(',')
       ->check(CLI::IsMember(method_ids()));

@@ -144,6 +144,8 @@ function sections() {
   if (motion.length > 0) made.push(['motion-length', 'Motion length', motionSection(motion, families)]);
   if (points.length > 0) made.push(['point-count', 'Point count', pointsSection(points, families)]);
   if (table.length > 0) made.push(['table-1', 'Table 1', tableOneSection(table)]);
+  if (listOf(study.traversal?.rows).length > 0)
+    made.push(['traversal', 'Traversals', traversalSection(study.traversal)]);
   made.push(['run', 'Machine and command', runSection()]);
   return made;
 }

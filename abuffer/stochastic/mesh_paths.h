@@ -1,0 +1,67 @@
+// A mesh's corners over the exposure as Bézier curves of degree one or two, piece by piece, in the space of
+// the projection at mid-shutter. Source: Gribel et al. 2013, section 3.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/camera.h"
+#include "splat/scene.h"
+
+namespace swept::stochastic {
+
+/// How far a curve may be from the true path on the film, px, as looked for in two places of each piece.
+inline constexpr double path_tolerance_px = 0.01;
+
+class MeshPaths {
+ public:
+  /// Cuts the exposure at the keys of points, object and camera, and each part into as many pieces, up to 64,
+  /// as all corners take: where they move on parabolas, or lines, none. `object` has triangles.
+  MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure);
+
+  [[nodiscard]] const Object& object() const { return *object_; }
+  [[nodiscard]] bool mirrored() const { return mirrored_; }
+  /// 1 where every corner moves evenly along a line in every piece, else 2.
+  [[nodiscard]] int degree() const { return degree_; }
+  [[nodiscard]] int pieces() const { return static_cast<int>(cuts_.size()) - 1; }
+  /// Times, from 0 where the shutter opens to 1: piece p lies between cuts p and p + 1.
+  [[nodiscard]] double cut(int i) const { return cuts_[static_cast<std::size_t>(i)]; }
+  /// The piece that a time in [0, 1] belongs to.
+  [[nodiscard]] int piece_of(double time) const {
+    int piece = 0;
+    while (piece + 1 < pieces() && time >= cuts_[static_cast<std::size_t>(piece) + 1]) ++piece;
+    return piece;
+  }
+  /// The three control points of degree 2 of a point in a piece, whatever degree() is.
+  [[nodiscard]] const Eigen::Vector3d* controls(std::uint32_t point, int piece) const {
+    return &controls_[point * stride_ + 2 * static_cast<std::size_t>(piece)];
+  }
+  /// The Bernstein polynomials of degree 2.
+  using Weights = std::array<double, 3>;
+  [[nodiscard]] Weights weights(int piece, double time) const {
+    const double t = (time - cut(piece)) / (cut(piece + 1) - cut(piece)), s = 1.0 - t;
+    return {s * s, 2.0 * s * t, t * t};
+  }
+  [[nodiscard]] Eigen::Vector3d at(std::uint32_t point, int piece, const Weights& w) const {
+    const Eigen::Vector3d* const p = controls(point, piece);
+    return {w[0] * p[0].x() + w[1] * p[1].x() + w[2] * p[2].x(),
+            w[0] * p[0].y() + w[1] * p[1].y() + w[2] * p[2].y(),
+            w[0] * p[0].z() + w[1] * p[1].z() + w[2] * p[2].z()};
+  }
+
+ private:
+  void cut_at_keys(const Scene& scene, const Exposure& exposure);
+
+  const Object* object_;
+  bool mirrored_;
+  int degree_ = 2;
+  std::size_t stride_ = 0;  ///< control points for each point: neighbouring pieces share one
+  std::vector<double> cuts_;
+  std::vector<Eigen::Vector3d> controls_;
+};
+
+}  // namespace swept::stochastic

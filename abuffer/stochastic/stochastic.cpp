@@ -1,0 +1,231 @@
+#include "abuffer/stochastic/stochastic.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "abuffer/parallel.h"
+#include "abuffer/progress_of.h"
+#include "abuffer/render_valid.h"
+#include "abuffer/stochastic/mesh_paths.h"
+#include "abuffer/stochastic/moving_disc.h"
+#include "abuffer/stochastic/moving_triangle.h"
+#include "abuffer/stochastic/traverse.h"
+#include "splat/kernel/kernel_set.h"
+#include "splat/motion/segments.h"
+#include "splat/stopwatch.h"
+
+namespace swept {
+
+using namespace stochastic;
+
+namespace {
+
+/// Side of the squares that threads share out, px.
+constexpr int block_px = 16;
+/// What interleave takes where nothing is said; Gribel et al. 2013, section 6.1.
+constexpr int chosen_times = 256;
+
+/// Discs and triangles of a scene, in one row: discs first.
+class Primitives {
+ public:
+  Primitives(const Scene& scene, const Exposure& exposure, const FilmView& view)
+      : view_(view), delta_(scene.model.delta) {
+    if (std::any_of(scene.objects.begin(), scene.objects.end(),
+                    [](const Object& o) { return o.discs() > 0; }))
+      kernels_ = build_kernels(scene, exposure);
+    begins_.push_back(kernels_.kernels.size());
+    for (const Object& object : scene.objects) {
+      if (object.triangles.empty()) continue;
+      meshes_.push_back(std::make_unique<MeshPaths>(scene, object, exposure));
+      begins_.push_back(begins_.back() + object.triangles.size());
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return begins_.back(); }
+  [[nodiscard]] std::size_t triangles() const { return size() - begins_.front(); }
+
+  /// visit(primitive), which is a disc or a triangle.
+  template <class Visit>
+  void with(std::size_t i, const Visit& visit) const {
+    if (i < begins_.front()) {
+      MovingDisc disc(kernels_.kernels[i], delta_, view_);
+      if (disc.exists()) visit(disc);
+      return;
+    }
+    std::size_t mesh = 0;
+    while (i >= begins_[mesh + 1]) ++mesh;
+    MovingTriangle triangle(*meshes_[mesh], static_cast<std::uint32_t>(i - begins_[mesh]), view_);
+    visit(triangle);
+  }
+
+ private:
+  const FilmView& view_;
+  double delta_;
+  KernelSet kernels_;
+  std::vector<std::unique_ptr<MeshPaths>> meshes_;
+  std::vector<std::size_t> begins_;
+};
+
+/// Which primitives may be seen in each block at any time.
+class Bins {
+ public:
+  Bins(const Primitives& primitives, const PixelRange& window)
+      : window_(window), columns_(blocks(window.x1 - window.x0)), rows_(blocks(window.y1 - window.y0)) {
+    std::vector<PixelRange> ranges(primitives.size());
+    parallel_for_each_index(ranges.size(), [&](std::size_t i) {
+      primitives.with(i, [&](const auto& primitive) { ranges[i] = primitive.pixels({0.0, 1.0}, window); });
+    });
+    starts_.assign(size() + 1, 0);
+    const auto for_each_block = [&](const auto& visit) {
+      for (std::size_t i = 0; i < ranges.size(); ++i) {
+        if (i % 4096 == 0 && tbb::is_current_task_group_canceling()) throw Stopped();
+        const PixelRange& range = ranges[i];
+        if (range.empty()) continue;
+        for (int y = (range.y0 - window.y0) / block_px; y <= (range.y1 - 1 - window.y0) / block_px; ++y)
+          for (int x = (range.x0 - window.x0) / block_px; x <= (range.x1 - 1 - window.x0) / block_px; ++x)
+            visit(static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x), i);
+      }
+    };
+    for (const PixelRange& range : ranges) seen_ += range.empty() ? 0 : 1;
+    for_each_block([&](std::size_t block, std::size_t) { ++starts_[block + 1]; });
+    for (std::size_t b = 0; b < size(); ++b) starts_[b + 1] += starts_[b];
+    entries_.resize(starts_.back());
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    for_each_block(
+        [&](std::size_t block, std::size_t i) { entries_[next[block]++] = static_cast<std::uint32_t>(i); });
+  }
+
+  [[nodiscard]] std::size_t size() const { return columns_ * rows_; }
+  [[nodiscard]] std::size_t seen() const { return seen_; }
+  [[nodiscard]] Window window(std::size_t block) const {
+    const int x = window_.x0 + static_cast<int>(block % columns_) * block_px,
+              y = window_.y0 + static_cast<int>(block / columns_) * block_px;
+    return {x, y, std::min(block_px, window_.x1 - x), std::min(block_px, window_.y1 - y)};
+  }
+  template <class Visit>
+  void for_each(std::size_t block, const Visit& visit) const {
+    for (std::size_t k = starts_[block]; k < starts_[block + 1]; ++k) visit(entries_[k]);
+  }
+
+ private:
+  static std::size_t blocks(int px) { return (static_cast<std::size_t>(px) + block_px - 1) / block_px; }
+
+  PixelRange window_;
+  std::size_t columns_, rows_, seen_ = 0;
+  std::vector<std::size_t> starts_;
+  std::vector<std::uint32_t> entries_;
+};
+
+void cut_exposure(const SampleSource& source, int parts, Block& block) {
+  block.share_cuts.clear(), block.time_cuts.clear();
+  for (int i = 0; i <= parts; ++i) {
+    const double share = static_cast<double>(i) / parts;
+    block.share_cuts.push_back(share);
+    block.time_cuts.push_back(double{source.time_of(share)});
+  }
+}
+
+/// Composes the block's pixels and puts them into the image.
+void develop(const Scene& scene, Block& block, Image& image) {
+  const SurfaceModel model(scene.model);
+  const Window& window = block.samples.window;
+  const double per_sample = 1.0 / block.samples.per_pixel;
+  block.hits.finish();
+  for (int y = window.y; y < window.y + window.height; ++y)
+    for (int x = window.x; x < window.x + window.width; ++x) {
+      block.worked(static_cast<std::uint64_t>(block.samples.per_pixel));
+      const PixelSum pixel =
+          block.hits.compose(block.first_of(x, y), static_cast<std::size_t>(block.samples.per_pixel), model);
+      const std::size_t i = static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
+                            static_cast<std::size_t>(x - image.x);
+      const double alpha = pixel.rgba[3] * per_sample, left = std::max(0.0, 1.0 - alpha);
+      for (int c = 0; c < 4; ++c)
+        image.rgba[4 * i + static_cast<std::size_t>(c)] =
+            static_cast<float>(pixel.rgba[c] * per_sample + left * double{scene.background[c]});
+      image.depth[i] = pixel.rgba[3] > 0.0 ? static_cast<float>(pixel.depth / pixel.rgba[3])
+                                           : std::numeric_limits<float>::infinity();
+    }
+}
+
+Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& given,
+                                const RenderControl& control) {
+  Stopwatch watch;
+  const Exposure exposure = scene.exposure();
+  StochasticOptions options = given;
+  if (options.traversal == Traversal::interleave && options.times == 0) options.times = chosen_times;
+  const bool lens = scene.camera.aperture.radius > 0.0;
+  const bool triangles = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                     [](const Object& o) { return !o.triangles.empty(); });
+  if (!lens && !triangles && nothing_moves(scene, exposure)) options.samples = 1;
+
+  const SampleSource source(scene, exposure, options.samples, options.times);
+  const FilmView view{projection_of(scene.film, scene.camera.at(exposure.middle())), scene.camera.near,
+                      source.reach()};
+  const Primitives primitives(scene, exposure, view);
+  Rendered out;
+  Statistics& statistics = out.statistics;
+  statistics.time("paths", watch.lap());
+  out.image = blank_image(scene.film);
+  const Bins bins(primitives,
+                  {out.image.x, out.image.y, out.image.x + out.image.width, out.image.y + out.image.height});
+  statistics.time("bins", watch.lap());
+
+  PerThread<Block> blocks;
+  ProgressOf progress(control, bins.size());
+  parallel_for_each_index(bins.size(), [&](std::size_t b) {
+    Block& block = blocks.local();
+    if (block.share_cuts.empty()) cut_exposure(source, options.intervals, block);
+    source.fill(bins.window(b), block.samples);
+    block.hits.start(block.samples.x.size());
+    bins.for_each(b, [&](std::size_t i) {
+      primitives.with(i, [&](auto& primitive) { traverse(primitive, options, source, block); });
+    });
+    develop(scene, block, out.image);
+    progress.one_more();
+  });
+  statistics.time("samples", watch.lap());
+
+  TraversalCounts counts;
+  for (const Block& block : blocks) {
+    counts.tested += block.counts.tested;
+    counts.inside += block.counts.inside;
+    counts.bounds += block.counts.bounds;
+  }
+  statistics.count("samples", options.samples);
+  statistics.count("primitives", static_cast<double>(bins.seen()));
+  statistics.count("samples_tested", static_cast<double>(counts.tested));
+  statistics.count("samples_inside", static_cast<double>(counts.inside));
+  statistics.count(
+      "sample_test_efficiency",
+      counts.tested > 0 ? static_cast<double>(counts.inside) / static_cast<double>(counts.tested) : 0.0);
+  statistics.count("bounds_tested", static_cast<double>(counts.bounds));
+  statistics.effect("motion blur" + std::string(lens ? " and depth of field: " : ": ") +
+                    std::to_string(options.samples) + " samples a pixel" +
+                    (options.times > 0 ? ", at " + std::to_string(options.times) + " instants in all" : ""));
+  return out;
+}
+
+}  // namespace
+
+Status StochasticOptions::validate() const {
+  if (samples < 1 || samples > 1 << 16) return Error{"", "samples", "must be in [1, 65536]"};
+  if (times < 0 || times > 65536) return Error{"", "times", "must be in [0, 65536]"};
+  if (tile_px != 1 && tile_px != 2 && tile_px != 4 && tile_px != 8 && tile_px != 16)
+    return Error{"", "tile_px", "must be 1, 2, 4, 8 or 16"};
+  if (intervals < 1 || intervals > 1024) return Error{"", "intervals", "must be in [1, 1024]"};
+  return Done{};
+}
+
+Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& options,
+                                   const RenderControl& control) {
+  if (Status status = refuse_splats(scene, "the stochastic method"); !status) return status.error();
+  if (Status status = refuse_row_delay(scene, "the stochastic method"); !status) return status.error();
+  return render_valid(scene, options, control, render_checked);
+}
+
+}  // namespace swept

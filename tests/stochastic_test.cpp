@@ -1,0 +1,349 @@
+// The sampled method: what it converges to, and that no traversal and nothing else changes a bit of it.
+#include "abuffer/stochastic/stochastic.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "abuffer/reference/reference.h"
+#include "abuffer/stochastic/pixel_samples.h"
+#include "tests/small_scenes.h"
+
+namespace swept {
+namespace {
+
+Rendered rendered(const Scene& scene, const StochasticOptions& options, int threads = 0) {
+  RenderControl control;
+  control.threads = threads;
+  Result<Rendered> result = render_stochastic(scene, options, control);
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  if (!result.ok()) std::abort();
+  return std::move(*result);
+}
+
+Image reference(const Scene& scene, int stills) {
+  // Triangles move on their true path either way, discs along their segments.
+  Result<Rendered> result = render_reference(scene, {stills, ReferenceMotion::segments});
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  if (!result.ok()) std::abort();
+  return std::move(result->image);
+}
+
+double rmse(const Image& a, const Image& b) {
+  EXPECT_EQ(a.rgba.size(), b.rgba.size());
+  double squares = 0.0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    const double difference = double{a.rgba[i]} - double{b.rgba[i]};
+    squares += difference * difference;
+  }
+  return std::sqrt(squares / static_cast<double>(a.rgba.size()));
+}
+
+double mean_difference(const Image& a, const Image& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) sum += double{a.rgba[i]} - double{b.rgba[i]};
+  return sum / static_cast<double>(a.rgba.size());
+}
+
+/// Triangles of all sizes, some of them through the near plane and behind the eye, which is at z = 5.
+Object soup(int triangles, unsigned seed, bool transparent) {
+  test::Random random(seed);
+  Object object;
+  for (int t = 0; t < triangles; ++t) {
+    const Eigen::Vector3d middle(random(-2.0, 2.0), random(-1.5, 1.5), random(-2.0, 4.8));
+    const double size = std::pow(10.0, random(-2.0, 0.2));
+    for (int i = 0; i < 3; ++i) {
+      test::add_disc(object, middle + random.vector(-size, size), {0, 0, 1}, 0.1,
+                     random.vector(0.0, 1.0).cast<float>());
+      object.cloud.velocity.push_back(random.vector(-0.5, 0.5).cast<float>());
+      if (transparent) object.cloud.opacity.push_back(static_cast<float>(random(0.0, 1.0)));
+    }
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    object.triangles.push_back({first, first + 1, first + 2});
+  }
+  return object;
+}
+
+/// A turning soup: corners on curves.
+Scene soup_scene(unsigned seed, bool transparent) {
+  Scene scene = test::stage();
+  scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
+  scene.objects = {soup(60, seed, transparent)};
+  test::move(scene.objects[0], {0.1, 0, 0}, {-0.2, 0.1, 0.2}, 0.9);
+  return scene;
+}
+
+void add_lens(Scene& scene) {
+  scene.camera.aperture.radius = 0.15;
+  scene.camera.look_ats[0].lens.focus = 4.0;
+}
+
+std::vector<StochasticOptions> all_traversals(int samples, int times) {
+  std::vector<StochasticOptions> all;
+  for (const CurveBounds bounds : {CurveBounds::slefes, CurveBounds::hulls})
+    for (const int px : {1, 2, 4, 16})
+      all.push_back({.samples = samples,
+                     .times = times,
+                     .traversal = Traversal::tile,
+                     .tile_px = px,
+                     .bounds = bounds});
+  for (const int intervals : {1, 4, 7, 64})
+    all.push_back(
+        {.samples = samples, .times = times, .traversal = Traversal::interval, .intervals = intervals});
+  if (times > 0) all.push_back({.samples = samples, .times = times, .traversal = Traversal::interleave});
+  return all;
+}
+
+void expect_same_images(const Scene& scene, int samples, int times, const char* what) {
+  const std::vector<StochasticOptions> all = all_traversals(samples, times);
+  const Rendered first = rendered(scene, all.front());
+  EXPECT_GT(*first.statistics.counter("samples_inside"), 0.0) << what;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const Rendered other = rendered(scene, all[i]);
+    EXPECT_EQ(other.image.rgba, first.image.rgba) << what << ", traversal " << i;
+    EXPECT_EQ(other.image.depth, first.image.depth) << what << ", traversal " << i;
+    EXPECT_EQ(other.statistics.counter("samples_inside"), first.statistics.counter("samples_inside"))
+        << what << i;
+  }
+}
+
+TEST(Stochastic, AllTraversalsAreOneImage) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Scene scene = soup_scene(seed, seed % 2 == 0);
+    scene.objects[0].two_sided = seed % 3 != 0;
+    if (seed % 3 == 1) add_lens(scene);
+    if (seed == 5) scene.shutter.curve = ShutterShape::trapezoid;
+    if (seed == 4) scene.objects.push_back(test::checkered_sphere(0.8, 200));
+    expect_same_images(scene, 24, seed % 2 == 0 ? 40 : 0, "soup");
+  }
+}
+
+TEST(Stochastic, AllTraversalsAreOneImageOfDiscs) {
+  Scene scene = test::busy_scene();
+  expect_same_images(scene, 16, 0, "discs");
+  add_lens(scene);
+  expect_same_images(scene, 16, 64, "discs through a lens");
+}
+
+/// Corners on a coarse grid: edges along rays, triangles without an area, equal depths, the near plane.
+TEST(Stochastic, AllTraversalsAreOneImageOnAGrid) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Scene scene = test::stage();
+    scene.objects = {soup(40, seed, seed % 2 == 0)};
+    Object& object = scene.objects[0];
+    PointArray<Eigen::Vector3d> position;
+    for (const Eigen::Vector3d& p : object.cloud.keys[0].pose.position)
+      position.push_back((p * 4.0).array().round() / 4.0);
+    object.cloud.keys[0].pose.position = position;
+    if (seed > 2) object.cloud.velocity.clear();
+    scene.camera.near = 0.25;
+    expect_same_images(scene, 16, 32, "grid");
+  }
+}
+
+/// The error must be that of noise: of random samples 1,024 would leave a fourth of what 64 leave. `share`:
+/// what may be left of it.
+void expect_converges(const Scene& scene, int stills, double most_at_1024, const char* what,
+                      double share = 0.5) {
+  const Image truth = reference(scene, stills);
+  const Image few = rendered(scene, {.samples = 64}).image, many = rendered(scene, {.samples = 1024}).image;
+  const double at_64 = rmse(few, truth), at_1024 = rmse(many, truth);
+  EXPECT_LT(at_1024, most_at_1024) << what;
+  EXPECT_LT(at_1024, share * at_64) << what;
+  EXPECT_LT(std::abs(mean_difference(many, truth)), 0.3 * at_1024) << what;
+  std::printf("%s: RMSE %.5f at 64 samples, %.5f at 1024\n", what, at_64, at_1024);
+}
+
+/// What is left at 1,024 samples: 1/√1024 = 0.03 of a pixel's spread if samples were random; they are spread
+/// well, and few pixels are mixed.
+TEST(Stochastic, ConvergesToTheReferenceOfTriangles) {
+  for (const bool transparent : {false, true})
+    for (const bool two_sided : {true, false}) {
+      Scene scene = soup_scene(11, transparent);
+      scene.objects[0].two_sided = two_sided;
+      expect_converges(scene, 256, 0.003, transparent ? "transparent soup" : "soup");
+    }
+  Scene mirrored = soup_scene(12, false);
+  mirrored.objects[0].two_sided = false;
+  for (TransformKey& key : mirrored.objects[0].transform.keys) key.scale = {-1.0, 1.0, 1.0};
+  expect_converges(mirrored, 256, 0.003, "mirrored soup");
+  Scene warped = soup_scene(13, false);
+  warped.shutter.curve = ShutterShape::gaussian;
+  expect_converges(warped, 256, 0.003, "soup, Gaussian shutter");
+}
+
+TEST(Stochastic, ConvergesToTheReferenceOfDiscs) {
+  Scene scene = test::busy_scene();
+  expect_converges(scene, 256, 0.001, "discs");
+  scene.model.coverage = Coverage::hard;
+  scene.objects[0].two_sided = false;
+  scene.objects[1].cloud.opacity.assign(scene.objects[1].cloud.size(), 0.4f);
+  expect_converges(scene, 256, 0.002, "discs, hard, translucent, one-sided");
+  scene.objects.push_back(soup(12, 3, false));
+  expect_converges(scene, 256, 0.003, "discs and triangles");
+}
+
+TEST(Stochastic, ConvergesToTheReferenceThroughALens) {
+  Scene scene = test::busy_scene();
+  scene.film = {40, 30, 0, 0, 0, 0};
+  add_lens(scene);
+  scene.camera.aperture.samples = 64;
+  // The reference's 64 points of the lens are not all of it, and its discs' filters are those of each point.
+  expect_converges(scene, 32, 0.002, "discs through a lens", 1.0);
+  scene.camera.aperture.blades = 5;
+  scene.camera.look_ats.push_back(scene.camera.look_ats[0]);
+  scene.camera.look_ats[1].frame = 1.0;
+  scene.camera.look_ats[1].lens.focus = 6.0;
+  scene.camera.look_ats[1].tan_half_fov_y *= 0.9;
+  expect_converges(scene, 32, 0.0015, "a polygon, focus and zoom that change", 1.0);
+}
+
+/// A still rectangle of one colour that is out of focus spreads evenly over the disc that optics has: half
+/// its light beyond the edge is what a half-plane's edge sees of a disc.
+TEST(Stochastic, DefocusesTrianglesAsOpticsDoes) {
+  Scene scene = test::stage();
+  scene.shutter = {0.0, 0.0};
+  Object object;
+  for (const auto& [x, y] : {std::pair{0.0, -9.0}, {9.0, -9.0}, {9.0, 9.0}, {0.0, 9.0}})
+    test::add_disc(object, {x, y, 0.0}, {0, 0, 1}, 0.1);
+  object.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.objects = {object};
+  scene.camera.aperture.radius = 0.5;
+  scene.camera.look_ats[0].lens.focus = 2.5;
+  const Image image = rendered(scene, {.samples = 1024}).image;
+  // The eye is 5 from it: c = 2 · 0.5 · f (1/2.5 − 1/5) px across, the focal length f being 48 px.
+  const double focal_px = 24.0 / scene.camera.look_ats[0].tan_half_fov_y, radius = 0.5 * focal_px * 0.2;
+  for (int x = 0; x < 64; ++x) {
+    double truth = 0.0;  // of the pixel's width
+    for (int k = 0; k < 64; ++k) {
+      const double at = std::clamp((x + (k + 0.5) / 64 - 32.0) / radius, -1.0, 1.0);
+      truth += (std::asin(at) + at * std::sqrt(1.0 - at * at)) / M_PI / 64 + 0.5 / 64;
+    }
+    EXPECT_NEAR(image.rgba[4 * static_cast<std::size_t>(24 * 64 + x)], truth, 0.01) << x;
+  }
+}
+
+/// A sheet of many triangles covers every sample once: no gap, and where it lets half the light through no
+/// seam.
+TEST(Stochastic, MeetsSheetsWithoutGapsAndOverlaps) {
+  for (const bool lens : {false, true})
+    for (const float opacity : {1.0f, 0.5f}) {
+      Scene scene = test::stage();
+      if (lens) add_lens(scene);
+      test::Random random(5);
+      Object object;
+      constexpr int side = 40;
+      for (int i = 0; i <= side; ++i)
+        for (int j = 0; j <= side; ++j)
+          test::add_disc(object,
+                         {0.3 * (i - side / 2 + random(-0.2, 0.2)), 0.3 * (j - side / 2 + random(-0.2, 0.2)),
+                          random(-0.05, 0.05)},
+                         {0, 0, 1}, 0.1, {0.25f, 0.5f, 1.0f});
+      for (std::uint32_t i = 0; i < side; ++i)
+        for (std::uint32_t j = 0; j < side; ++j) {
+          const std::uint32_t a = i * (side + 1) + j, b = a + 1, c = a + side + 1, d = c + 1;
+          object.triangles.push_back({a, c, b});
+          object.triangles.push_back({b, c, d});
+        }
+      object.cloud.opacity.assign(object.cloud.size(), opacity);
+      scene.objects = {object};
+      test::move(scene.objects[0], {0, 0, 0}, {0.2, 0.1, 0.3}, 0.3);
+      const Image image = rendered(scene, {.samples = 64}).image;
+      for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+        ASSERT_NEAR(image.rgba[4 * i + 3], opacity, 1e-6) << i;
+        ASSERT_NEAR(image.rgba[4 * i + 2], opacity, 1e-6) << i;
+      }
+    }
+}
+
+TEST(Stochastic, HasTheSameBitsForThreadsCropsAndOrders) {
+  Scene scene = soup_scene(21, true);
+  scene.objects.push_back(test::checkered_sphere(0.8, 300));
+  add_lens(scene);
+  const StochasticOptions options{.samples = 16};
+  const Image whole = rendered(scene, options).image;
+  EXPECT_EQ(rendered(scene, options, 1).image.rgba, whole.rgba);
+  std::reverse(scene.objects[0].triangles.begin(), scene.objects[0].triangles.end());
+  std::swap(scene.objects[0], scene.objects[1]);
+  EXPECT_EQ(rendered(scene, options).image.rgba, whole.rgba);
+  scene.film.crop_x = 13, scene.film.crop_y = 7, scene.film.crop_width = 31, scene.film.crop_height = 29;
+  const Image crop = rendered(scene, options).image;
+  for (int y = 0; y < crop.height; ++y)
+    for (int x = 0; x < crop.width; ++x)
+      for (std::size_t c = 0; c < 4; ++c)
+        ASSERT_EQ(crop.rgba[4 * static_cast<std::size_t>(y * crop.width + x) + c],
+                  whole.rgba[4 * static_cast<std::size_t>((y + 7) * whole.width + x + 13) + c]);
+}
+
+TEST(Stochastic, CountsWhatItTests) {
+  const Scene scene = soup_scene(31, false);
+  double last = 0.0;
+  for (const int intervals : {1, 8, 64}) {
+    const Statistics counts =
+        rendered(scene, {.samples = 64, .traversal = Traversal::interval, .intervals = intervals}).statistics;
+    const double efficiency = *counts.counter("sample_test_efficiency");
+    EXPECT_EQ(efficiency, *counts.counter("samples_inside") / *counts.counter("samples_tested"));
+    EXPECT_GT(efficiency, last) << intervals;
+    last = efficiency;
+  }
+  // Small tiles and tight bounds test least.
+  const auto tested = [&](int px, CurveBounds bounds) {
+    return *rendered(scene, {.samples = 64, .tile_px = px, .bounds = bounds})
+                .statistics.counter("samples_tested");
+  };
+  EXPECT_LT(tested(1, CurveBounds::slefes), tested(4, CurveBounds::slefes));
+  EXPECT_LT(tested(1, CurveBounds::slefes), tested(1, CurveBounds::hulls));
+}
+
+TEST(Stochastic, RefusesWhatItDoesNotDraw) {
+  Scene scene = test::stage();
+  scene.objects = {test::checkered_sphere(0.8, 20)};
+  scene.shutter.row_delay = 0.001;
+  const auto delayed = render_stochastic(scene);
+  ASSERT_FALSE(delayed.ok());
+  EXPECT_NE(delayed.error().message().find("stochastic"), std::string::npos);
+  scene.shutter.row_delay = 0.0;
+  scene.objects.emplace_back().splats.position.emplace_back(0, 0, 0);
+  const auto splats = render_stochastic(scene);
+  ASSERT_FALSE(splats.ok());
+  EXPECT_EQ(splats.error().kind, ErrorKind::unsupported);
+  scene.objects.pop_back();
+  for (const StochasticOptions& wrong :
+       {StochasticOptions{.samples = 0}, {.times = -1}, {.tile_px = 3}, {.intervals = 0}})
+    EXPECT_FALSE(render_stochastic(scene, wrong).ok());
+}
+
+/// In each of a power of two of strata of every dimension there is one sample of a pixel.
+TEST(Stochastic, SpreadsSamplesInEveryDimension) {
+  Scene scene = test::stage();
+  add_lens(scene);
+  constexpr int count = 64;
+  const stochastic::SampleSource source(scene, scene.exposure(), count, 0);
+  stochastic::BlockSamples samples;
+  source.fill({3, 5, 2, 2}, samples);
+  for (std::size_t pixel = 0; pixel < 4; ++pixel) {
+    for (const std::vector<float>* dimension : {&samples.x, &samples.y, &samples.share}) {
+      std::vector<int> of_stratum(count, 0);
+      for (std::size_t i = 0; i < count; ++i)
+        ++of_stratum[static_cast<std::size_t>((*dimension)[pixel * count + i] * count)];
+      for (const int n : of_stratum) EXPECT_EQ(n, 1);
+    }
+    std::vector<int> of_ring(count, 0), of_square(count, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = pixel * count + i;
+      const double radius = std::hypot(samples.lens_x[k], samples.lens_y[k]) / 0.15;
+      ++of_ring[std::min<std::size_t>(static_cast<std::size_t>(radius * radius * count), count - 1)];
+      ++of_square[static_cast<std::size_t>(samples.x[k] * 8) * 8 +
+                  static_cast<std::size_t>(samples.y[k] * 8)];
+    }
+    for (const int n : of_square) EXPECT_EQ(n, 1);
+    // Rounding may move one across a ring's border.
+    EXPECT_LE(std::count_if(of_ring.begin(), of_ring.end(), [](int n) { return n != 1; }), 4);
+    EXPECT_EQ(samples.x[0] == samples.x[pixel * count], pixel == 0);
+  }
+}
+
+}  // namespace
+}  // namespace swept
