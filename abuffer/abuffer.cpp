@@ -10,6 +10,7 @@
 
 #include <tbb/blocked_range.h>
 
+#include "abuffer/exact_meshes.h"
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
@@ -271,6 +272,27 @@ Status check_rows(const Scene& scene) {
   return Done{};
 }
 
+bool has_triangles(const Scene& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [](const Object& object) { return !object.triangles.empty(); });
+}
+
+/// What the sweep cannot do with triangles: discs that are seen in the same exposure.
+Status check_meshes(const Scene& scene, const AbufferOptions& options) {
+  if (!has_triangles(scene)) return Done{};
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (scene.objects[i].discs() > 0)
+      return Error{"", "/objects/" + std::to_string(i),
+                   "is made of discs, which the A-buffer does not draw together with triangles; --method "
+                   "sampled does",
+                   ErrorKind::unsupported};
+  if (options.normalisation != Normalisation::interval)
+    return Error{"", "normalisation",
+                 "of the whole pixel is for discs; a scene of triangles has that of the interval",
+                 ErrorKind::unsupported};
+  return Done{};
+}
+
 /// A scene in which nothing moves. What the sweep counts did not happen.
 Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options,
                               const RenderControl& control) {
@@ -301,6 +323,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
     return render_through_lens(scene, control, [&](const Scene& pinhole, const RenderControl& part) {
       return render_checked(pinhole, options, part);
     });
+  if (has_triangles(scene)) return render_exact_meshes(scene, options, control);
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
@@ -356,7 +379,7 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
                                 const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   if (Status status = check_rows(scene); !status) return status.error();
-  if (Status status = refuse_triangles(scene, "the A-buffer"); !status) return status.error();
+  if (Status status = check_meshes(scene, options); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }
 

@@ -266,10 +266,12 @@ TEST(Triangles, StandStillForOneInstant) {
 
 TEST(Triangles, AreRefusedByNameWhereTheyAreNotDrawn) {
   Scene scene = stage();
-  scene.objects = {soup(4, 2, false)};
+  scene.objects = {soup(4, 2, false), some_discs(1)};
   const auto exact = render_abuffer(scene, {});
   ASSERT_FALSE(exact.ok());
+  EXPECT_EQ(exact.error().field, "/objects/1");
   EXPECT_NE(exact.error().message().find("triangles"), std::string::npos) << exact.error().message();
+  scene.objects.pop_back();
   LayerChoice choice;
   choice.normal = true;
   const auto layers = render_layers(scene, choice, {});

@@ -1,0 +1,139 @@
+#include "abuffer/resolve/mesh_pixel.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace swept {
+
+void MeshPixel::mesh_surfaces(std::size_t first, std::size_t last, double time) {
+  const auto pieces_of = [&](std::size_t i) -> const PlacePiece& {
+    const Track& track = tracks_[on_[i]];
+    return track.pieces[track.next];
+  };
+  std::uint32_t most = 0;
+  for (std::size_t i = first; i < last; ++i) most = std::max(most, pieces_of(i).count);
+  double light[pixel_places];
+  std::fill(light, light + pixel_places, 1.0);
+  for (std::uint32_t layer = 0; layer < most; ++layer) {
+    double before = 0.0;
+    for (const double l : light) before += l / pixel_places;
+    if (!(before > double{opaque_transmittance})) return;
+    Surface surface{0.0, {0.0, 0.0, 0.0, 0.0}, tracks_[on_[first]].mesh, layer};
+    for (std::size_t i = first; i < last; ++i) {
+      const PlacePiece& piece = pieces_of(i);
+      if (piece.count <= layer) continue;
+      const Track& track = tracks_[on_[i]];
+      const TriangleStretch::Look seen =
+          (*triangles_)[track.seen[piece.first + layer]].look((*rays_)[track.place], time);
+      double& left = light[track.place];
+      const double share = left / pixel_places;
+      for (int c = 0; c < 4; ++c) surface.rgba[c] += share * seen.rgba[c];
+      surface.depth += share * seen.rgba[3] * seen.depth;
+      left *= 1.0 - seen.rgba[3];
+    }
+    if (!(surface.rgba[3] > 0.0)) continue;
+    surface.depth /= surface.rgba[3];
+    for (double& v : surface.rgba) v /= before;
+    surfaces_.push_back(surface);
+  }
+}
+
+void MeshPixel::look(double time) {
+  surfaces_.clear();
+  for (std::size_t first = 0; first < on_.size();) {
+    std::size_t last = first + 1;
+    while (last < on_.size() && tracks_[on_[last]].mesh == tracks_[on_[first]].mesh) ++last;
+    mesh_surfaces(first, last, time);
+    first = last;
+  }
+  // What follows the depth makes the order of meshes indifferent.
+  std::sort(surfaces_.begin(), surfaces_.end(), [](const Surface& a, const Surface& b) {
+    return std::tie(a.depth, a.rgba[3], a.rgba[0], a.rgba[1], a.rgba[2]) <
+           std::tie(b.depth, b.rgba[3], b.rgba[0], b.rgba[1], b.rgba[2]);
+  });
+}
+
+LightSum MeshPixel::light_at(double time) {
+  look(time);
+  LightSum sum;
+  double left = 1.0;
+  for (const Surface& surface : surfaces_) {
+    for (int c = 0; c < 4; ++c) sum.v[c] += left * surface.rgba[c];
+    sum.v[4] += left * surface.rgba[3] * surface.depth;
+    left *= 1.0 - surface.rgba[3];
+    if (left < double{opaque_transmittance}) break;
+  }
+  return sum;
+}
+
+MeshPixel::Order MeshPixel::order_at(double time) {
+  look(time);
+  Order order;
+  for (const Surface& surface : surfaces_) order.emplace_back(surface.mesh, surface.layer);
+  return order;
+}
+
+void MeshPixel::resolve(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
+                        const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep, LightSum& sum) {
+  triangles_ = &triangles;
+  rays_ = &rays;
+  tracks_.clear();
+  times_.clear();
+  bool even = true;
+  for (std::size_t first = 0; first < intervals.size();) {
+    const auto mesh_of = [&](std::size_t i) { return triangles[intervals[i].source].mesh; };
+    std::size_t last = first + 1;
+    while (last < intervals.size() && intervals[last].place == intervals[first].place &&
+           mesh_of(last) == mesh_of(first))
+      ++last;
+    const std::uint32_t mesh = mesh_of(first);
+    const std::size_t place = intervals[first].place % pixel_places;
+    sweep.cut(intervals.subspan(first, last - first), triangles, rays[place]);
+    tracks_.push_back({mesh, place, sweep.pieces(), sweep.seen()});
+    for (const PlacePiece& piece : sweep.pieces()) {
+      times_.push_back(piece.begin);
+      times_.push_back(piece.end);
+    }
+    for (const std::uint32_t t : sweep.seen()) even = even && triangles[t].plain;
+    first = last;
+  }
+  std::stable_sort(tracks_.begin(), tracks_.end(),
+                   [](const Track& a, const Track& b) { return a.mesh < b.mesh; });
+  std::sort(times_.begin(), times_.end());
+  times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+  for (std::size_t e = 0; e + 1 < times_.size(); ++e) {
+    double begin = times_[e];
+    const double end = times_[e + 1];
+    on_.clear();
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+      Track& track = tracks_[t];
+      while (track.next < track.pieces.size() && track.pieces[track.next].end <= begin) ++track.next;
+      if (track.next < track.pieces.size() && track.pieces[track.next].begin <= begin) on_.push_back(t);
+    }
+    if (on_.empty()) continue;
+    const auto at = [&](double time) { return light_at(time); };
+    const bool one_mesh = tracks_[on_.front()].mesh == tracks_[on_.back()].mesh;
+    // Meshes change places where the depths of their surfaces do.
+    for (int changes = 0; !one_mesh && changes < 64; ++changes) {
+      const double hair = 0x1p-40 * (end - begin);
+      if (!(begin + hair < end - hair)) break;
+      const Order first = order_at(begin + hair);
+      double same = begin + hair, other = end - hair;
+      if (order_at(other) == first) {
+        other = 0.5 * begin + 0.5 * end;
+        if (order_at(other) == first) break;
+      }
+      while (other - same > 0x1p-44) {
+        const double half = 0.5 * same + 0.5 * other;
+        if (!(same < half && half < other)) break;
+        (order_at(half) == first ? same : other) = half;
+      }
+      add_light(light.share(begin), light.share(other), even, light, at, sum);
+      begin = other;
+      ++sweep.counters.crossings;
+    }
+    add_light(light.share(begin), light.share(end), even, light, at, sum);
+  }
+}
+
+}  // namespace swept

@@ -1,0 +1,179 @@
+#include "abuffer/sources/moving_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "abuffer/tiles/path_frames.h"
+#include "splat/motion/instant.h"
+#include "splat/motion/path.h"
+#include "splat/without_throwing.h"
+
+namespace swept {
+namespace {
+
+/// Whether the map from object to camera changes by nothing but its translation, evenly from key to key.
+bool only_shifts(const Scene& scene, const Object& object, const Exposure& exposure) {
+  const auto alike = [](const auto& keys, const auto& same) {
+    return std::all_of(keys.begin(), keys.end(), [&](const auto& key) { return same(key, keys.front()); });
+  };
+  if (!object.transform.constant_over(exposure.open, exposure.close) &&
+      !alike(object.transform.keys, [](const TransformKey& a, const TransformKey& b) {
+        return a.rotate_axis == b.rotate_axis && a.rotate_radians == b.rotate_radians && a.scale == b.scale;
+      }))
+    return false;
+  if (scene.camera.constant_over(exposure.open, exposure.close)) return true;
+  return scene.camera.look_ats.empty() && scene.camera.lens_point.isZero(0.0) &&
+         alike(scene.camera.poses, [](const CameraKey& a, const CameraKey& b) {
+           return a.world_from_camera.coeffs() == b.world_from_camera.coeffs() &&
+                  a.tan_half_fov_y == b.tan_half_fov_y && a.lens == b.lens;
+         });
+}
+
+/// Frames between which nothing has a corner, from the exposure's open to its close.
+std::vector<double> smooth_spans(const Scene& scene, const Object& object, const Exposure& exposure) {
+  std::vector<double> frames = path_corners(object.cloud, exposure.open, exposure.close);
+  // No curve may bend both ways between two looks at it.
+  const std::size_t parts = path_degree(object.cloud) > 2 ? path_degree(object.cloud) : 1;
+  std::vector<double> looks;
+  if (!only_shifts(scene, object, exposure) || path_degree(object.cloud) > most_path_degree)
+    for (std::size_t k = 0; k <= frames.size(); ++k) {
+      const double first = k == 0 ? exposure.open : frames[k - 1],
+                   last = k == frames.size() ? exposure.close : frames[k];
+      for (std::size_t part = 1; part < parts; ++part)
+        looks.push_back(first + (last - first) * static_cast<double>(part) / static_cast<double>(parts));
+    }
+  frames.insert(frames.end(), looks.begin(), looks.end());
+  if (!only_shifts(scene, object, exposure)) return path_frames(scene, object, frames, exposure);
+  frames.push_back(exposure.open);
+  frames.push_back(exposure.close);
+  const auto add_keys = [&](const auto& keys) {
+    for (const auto& key : keys)
+      if (key.frame > exposure.open && key.frame < exposure.close) frames.push_back(key.frame);
+  };
+  add_keys(object.transform.keys);
+  add_keys(scene.camera.poses);
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+/// All points at instants of one object.
+class Looks {
+ public:
+  Looks(const Scene& scene, const Object& object, const Exposure& exposure)
+      : scene_(scene), object_(object), exposure_(exposure) {}
+
+  [[nodiscard]] Instant instant(double frame) const {
+    const CameraInstant camera = scene_.camera.at(frame);
+    const Eigen::Matrix3d lens = lens_matrix(camera, scene_.camera.at(exposure_.middle()));
+    const Eigen::Matrix3d rotation = camera.camera_from_world.linear();
+    return {frame, object_.transform.at(frame), lens.isIdentity(0.0) ? rotation : lens * rotation,
+            camera.eye};
+  }
+  [[nodiscard]] std::vector<Eigen::Vector3d> at(double frame) const {
+    const Instant seen = instant(frame);
+    const SurfelsAt points(object_.cloud, frame);
+    std::vector<Eigen::Vector3d> result;
+    result.reserve(object_.cloud.size());
+    for (std::size_t i = 0; i < object_.cloud.size(); ++i)
+      result.push_back(seen.to_camera(points[i].position));
+    return result;
+  }
+
+ private:
+  const Scene& scene_;
+  const Object& object_;
+  const Exposure& exposure_;
+};
+
+}  // namespace
+
+Result<MovingMesh> MovingMesh::follow(const Scene& scene, const Object& object, const Exposure& exposure,
+                                      double tolerance_px, const std::stop_token& stop) {
+  MovingMesh mesh;
+  mesh.object_ = &object;
+  const SurfelCloud& cloud = object.cloud;
+  const Looks looks(scene, object, exposure);
+  const auto end_at = [&](double shutter_time, double middle_frame) {
+    const Instant middle = looks.instant(middle_frame);
+    mesh.mirrored_.push_back((middle.camera_from_world * middle.world_from_object.linear()).determinant() <
+                             0.0);
+    mesh.times_.push_back(shutter_time);
+  };
+  mesh.times_.push_back(0.0);
+  if (stands_still(scene, object, exposure)) {
+    end_at(1.0, exposure.middle());
+    for (const Eigen::Vector3d& p : looks.at(exposure.middle())) {
+      mesh.controls_.push_back(p);
+      mesh.controls_.push_back(p);
+    }
+    return mesh;
+  }
+  const std::vector<double> frames = smooth_spans(scene, object, exposure);
+  if (frames.size() < 2)
+    return Error{"", "/objects",
+                 "has a mesh that turns too fast for its paths to be followed; --method sampled does",
+                 ErrorKind::unsupported};
+  const auto time = [&](double frame) {
+    return frame == exposure.close ? 1.0 : (frame - exposure.open) / (exposure.close - exposure.open);
+  };
+  if (only_shifts(scene, object, exposure) && path_degree(cloud) <= most_path_degree) {
+    mesh.degree_ = static_cast<int>(std::max<std::size_t>(1, path_degree(cloud)));
+    const auto controls = static_cast<std::size_t>(mesh.degree_) + 1;
+    mesh.controls_.resize((frames.size() - 1) * cloud.size() * controls);
+    for (std::size_t s = 0; s + 1 < frames.size(); ++s) {
+      const std::vector<PathWeights> weights = path_controls(cloud, frames[s], frames[s + 1]);
+      for (std::size_t k = 0; k < controls; ++k) {
+        // What shifts evenly has control points at evenly spaced times.
+        const double share = static_cast<double>(k) / mesh.degree_;
+        const Instant seen = looks.instant(frames[s] + (frames[s + 1] - frames[s]) * share);
+        const SurfelsAt points(cloud, weights[k]);
+        for (std::size_t i = 0; i < cloud.size(); ++i)
+          mesh.controls_[(s * cloud.size() + i) * controls + k] = seen.to_camera(points[i].position);
+      }
+      end_at(time(frames[s + 1]), 0.5 * frames[s] + 0.5 * frames[s + 1]);
+    }
+    return mesh;
+  }
+  mesh.degree_ = 2;
+  const Projection projection = projection_of(scene.film, scene.camera.at(exposure.middle()));
+  using Points = std::vector<Eigen::Vector3d>;
+  const auto far_off = [&](const Points& a, const Points& m, const Points& b, const Points& truth, double t) {
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      if (!(truth[i].z() > scene.camera.near)) continue;
+      const Eigen::Vector3d p =
+          (1.0 - t) * (1.0 - 2.0 * t) * a[i] + 4.0 * t * (1.0 - t) * m[i] + t * (2.0 * t - 1.0) * b[i];
+      if ((p - truth[i]).norm() * projection.focal_px > tolerance_px * truth[i].z()) return true;
+    }
+    return false;
+  };
+  const auto cut = [&](const auto& self, double first, const Points& a, double last, const Points& b,
+                       int halvings) -> void {
+    if (stop.stop_requested()) throw Stopped();
+    const double half = 0.5 * first + 0.5 * last;
+    const Points m = looks.at(half);
+    if (halvings > 0 && (far_off(a, m, b, looks.at(0.75 * first + 0.25 * last), 0.25) ||
+                         far_off(a, m, b, looks.at(0.25 * first + 0.75 * last), 0.75))) {
+      self(self, first, a, half, m, halvings - 1);
+      self(self, half, m, last, b, halvings - 1);
+      return;
+    }
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      mesh.controls_.push_back(a[i]);
+      mesh.controls_.emplace_back(2.0 * m[i] - 0.5 * (a[i] + b[i]));
+      mesh.controls_.push_back(b[i]);
+    }
+    end_at(time(last), half);
+  };
+  Points first = looks.at(frames.front());
+  for (std::size_t s = 0; s + 1 < frames.size(); ++s) {
+    Points last = looks.at(frames[s + 1]);
+    cut(cut, frames[s], first, frames[s + 1], last, 8);
+    first = std::move(last);
+  }
+  return mesh;
+}
+
+}  // namespace swept

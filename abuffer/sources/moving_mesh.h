@@ -1,0 +1,51 @@
+// A mesh over the whole exposure: the paths of its points through camera space, as Bézier curves of one
+// degree in stretches of time. Source: Gribel et al. 2013, section 3.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "splat/camera.h"
+#include "splat/interval/edge_function.h"
+#include "splat/scene.h"
+
+namespace swept {
+
+class MovingMesh {
+ public:
+  /// Over `exposure`, of all rows, evenly in time, which is 0 where it opens and 1 where it closes. Paths
+  /// that are polynomials of degree ≤ 3 in camera space are taken as they are, between the keys of anything.
+  /// Others, those that turn among them, become parabolas through the ends and the middle of stretches so
+  /// short that none is farther than `tolerance_px` from the path on the film, half-way between these.
+  /// Error: what turns too fast to be followed. Throws Stopped.
+  [[nodiscard]] static Result<MovingMesh> follow(const Scene& scene, const Object& object,
+                                                 const Exposure& exposure, double tolerance_px,
+                                                 const std::stop_token& stop);
+
+  [[nodiscard]] const Object& object() const { return *object_; }
+  /// Whether object and camera mirror it, so that its front is where it looks clockwise.
+  [[nodiscard]] bool mirrored(std::size_t stretch) const { return mirrored_[stretch] != 0; }
+  [[nodiscard]] int degree() const { return degree_; }
+  [[nodiscard]] std::size_t stretches() const { return times_.size() - 1; }
+  /// Where stretch `s` begins; and where the last one ends.
+  [[nodiscard]] double time(std::size_t s) const { return times_[s]; }
+  /// Of a point: degree() + 1.
+  [[nodiscard]] const Eigen::Vector3d* path(std::size_t stretch, std::size_t point) const {
+    return &controls_[(stretch * object_->cloud.size() + point) * static_cast<std::size_t>(degree_ + 1)];
+  }
+
+ private:
+  MovingMesh() = default;
+
+  const Object* object_ = nullptr;
+  int degree_ = 1;
+  std::vector<double> times_;
+  std::vector<char> mirrored_;  ///< by stretch
+  std::vector<Eigen::Vector3d> controls_;
+};
+
+}  // namespace swept

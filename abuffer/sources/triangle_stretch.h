@@ -1,0 +1,70 @@
+// A moving triangle as the rays through places of the film meet it: intervals of time. Source: Gribel et al.
+// 2013, sections 3 and 5.
+//
+// A ray is inside where all three edge functions have one sign; shares of the corners are e over their sum
+// (Eq. 10), and the depth is Σe·z / Σe (Eq. 11 with w for z): rational functions of time that are kept as
+// they are, so that no depth is linearised.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "abuffer/sources/moving_mesh.h"
+#include "splat/interval/edge_function.h"
+
+namespace swept {
+
+/// When a place of a pixel sees a triangle, of all the exposure; and between which depths.
+struct PlaceInterval {
+  std::uint32_t place;   ///< the caller's number of the ray
+  std::uint32_t source;  ///< of the TriangleStretch
+  double begin, end;
+  float nearest, farthest;
+};
+
+/// The depth over a stretch, as a quotient.
+struct DepthOverTime {
+  Bernstein above, below;
+};
+
+class TriangleStretch {
+ public:
+  TriangleStretch(const MovingMesh& mesh, std::uint32_t mesh_index, std::size_t stretch, std::size_t triangle,
+                  double near);
+
+  std::uint32_t mesh, triangle;
+  double begin, end;   ///< of the stretch
+  bool plain, opaque;  ///< all corners have one colour; no light comes through
+  float rgba[3][4];    ///< premultiplied
+
+  /// Whether no ray within (±half_x, ±half_y) of `ray` meets it. It may say no where that is so, but never
+  /// yes where it is not.
+  [[nodiscard]] bool misses(const Eigen::Vector3d& ray, double half_x, double half_y) const;
+  /// Appends when `ray` meets it between `from` and `to`.
+  void meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
+            std::vector<PlaceInterval>& out) const;
+
+  [[nodiscard]] DepthOverTime depth(const Eigen::Vector3d& ray) const;
+  [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
+
+  struct Look {
+    double depth;
+    double rgba[4];
+  };
+  /// What the ray sees of it at a time at which it meets it.
+  [[nodiscard]] Look look(const Eigen::Vector3d& ray, double time) const;
+
+ private:
+  void add(const DepthOverTime& depth, double from, double to, double first, double last, std::uint32_t place,
+           std::uint32_t source, std::vector<PlaceInterval>& out) const;
+
+  int degree_;
+  double near_;
+  EdgeFunction edge_[3];
+  Bernstein z_[3];
+  double nearest_, farthest_;
+  bool cut_;                        ///< the near plane may cut it
+  bool shows_above_, shows_below_;  ///< where edge functions are above 0, and below
+};
+
+}  // namespace swept

@@ -1,0 +1,104 @@
+#include "abuffer/tiles/mesh_bins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "abuffer/parallel.h"
+
+namespace swept {
+
+bool FilmHull::span(double top, double bottom, double& left, double& right) const {
+  left = std::numeric_limits<double>::infinity();
+  right = -left;
+  const auto take = [&](double at) { left = std::min(left, at), right = std::max(right, at); };
+  for (int i = 0; i < count; ++i) {
+    if (y[i] >= top && y[i] <= bottom) take(x[i]);
+    for (int j = 0; j < i; ++j)
+      for (const double row : {top, bottom})
+        if ((y[i] < row) != (y[j] < row)) take(x[i] + (row - y[i]) / (y[j] - y[i]) * (x[j] - x[i]));
+  }
+  return left <= right;
+}
+
+FilmHull hull_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triangle,
+                 const Projection& projection, double near) {
+  FilmHull hull;
+  const Eigen::Vector3d* points[3 * (most_path_degree + 1)];
+  int count = 0;
+  for (const std::uint32_t corner : mesh.object().triangles[triangle])
+    for (int k = 0; k <= mesh.degree(); ++k) points[count++] = mesh.path(stretch, corner) + k;
+  hull.x_min = hull.y_min = std::numeric_limits<double>::infinity();
+  hull.x_max = hull.y_max = -hull.x_min;
+  const auto add = [&](const Eigen::Vector3d& p, double z) {
+    const int i = hull.count++;
+    hull.x[i] = projection.center_x + projection.focal_px * (p.x() / z);
+    hull.y[i] = projection.center_y + projection.focal_px * (p.y() / z);
+    hull.x_min = std::min(hull.x_min, hull.x[i]), hull.x_max = std::max(hull.x_max, hull.x[i]);
+    hull.y_min = std::min(hull.y_min, hull.y[i]), hull.y_max = std::max(hull.y_max, hull.y[i]);
+  };
+  for (int i = 0; i < count; ++i)
+    if (points[i]->z() >= near) add(*points[i], points[i]->z());
+  // At most 6 · 6 of 12 points are on either side: 36 and 12.
+  if (hull.count > 0 && hull.count < count)
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < count; ++j) {
+        const Eigen::Vector3d &a = *points[i], &b = *points[j];
+        if (a.z() >= near && b.z() < near) add(a + (near - a.z()) / (b.z() - a.z()) * (b - a), near);
+      }
+  return hull;
+}
+
+MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
+                   const Window& film, int tile_px, const std::stop_token& stop)
+    : film_(film),
+      tile_px_(tile_px),
+      columns_(static_cast<std::size_t>((film.width + tile_px - 1) / tile_px)),
+      rows_(static_cast<std::size_t>((film.height + tile_px - 1) / tile_px)) {
+  struct Tiles {
+    std::uint32_t x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+  };
+  std::vector<Entry> all;
+  for (std::size_t m = 0; m < meshes.size(); ++m)
+    for (std::size_t s = 0; s < meshes[m].stretches(); ++s)
+      for (std::size_t t = 0; t < meshes[m].object().triangles.size(); ++t)
+        all.push_back(
+            {static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t)});
+  std::vector<Tiles> touched(all.size());
+  parallel_for_each_index(all.size(), [&](std::size_t i) {
+    const FilmHull hull = hull_of(meshes[all[i].mesh], all[i].stretch, all[i].triangle, projection, near);
+    // Places lie up to half a pixel from the centre; the rest takes care of rounding.
+    constexpr double margin = 1.0;
+    if (hull.count == 0 || !(hull.x_max + margin > film.x && hull.x_min - margin < film.x + film.width &&
+                             hull.y_max + margin > film.y && hull.y_min - margin < film.y + film.height))
+      return;
+    const auto tile = [&](double px, int first, std::size_t count) {
+      const double at = std::clamp(px - first, 0.0, 1e9) / tile_px;
+      return static_cast<std::uint32_t>(std::min(static_cast<std::size_t>(at), count - 1));
+    };
+    touched[i] = {tile(hull.x_min - margin, film.x, columns_),
+                  tile(hull.x_max + margin, film.x, columns_) + 1, tile(hull.y_min - margin, film.y, rows_),
+                  tile(hull.y_max + margin, film.y, rows_) + 1};
+  });
+  const auto for_each_tile = [&](const Tiles& range, const auto& visit) {
+    for (std::size_t y = range.y_begin; y < range.y_end; ++y)
+      for (std::size_t x = range.x_begin; x < range.x_end; ++x) visit(y * columns_ + x);
+  };
+  starts_.assign(tile_count() + 1, 0);
+  for (const Tiles& range : touched) for_each_tile(range, [&](std::size_t tile) { ++starts_[tile + 1]; });
+  for (std::size_t tile = 0; tile < tile_count(); ++tile) starts_[tile + 1] += starts_[tile];
+  if (stop.stop_requested()) return;
+  entries_.resize(starts_.back());
+  std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for_each_tile(touched[i], [&](std::size_t tile) { entries_[next[tile]++] = all[i]; });
+}
+
+Window MeshBins::window(std::size_t tile) const {
+  const int x = static_cast<int>(tile % columns_) * tile_px_,
+            y = static_cast<int>(tile / columns_) * tile_px_;
+  return {film_.x + x, film_.y + y, std::min(tile_px_, film_.width - x),
+          std::min(tile_px_, film_.height - y)};
+}
+
+}  // namespace swept

@@ -1,0 +1,401 @@
+// Moving triangles by the exact method (model section 15): beside the engine that looks at many instants, and
+// what can be told without it.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "abuffer/abuffer.h"
+#include "abuffer/sampled.h"
+#include "tests/counter.h"
+#include "tests/splat_scenes.h"
+
+namespace swept {
+namespace {
+
+using test::psnr_db;
+
+Rendered exact(const Scene& scene, const AbufferOptions& options = {}, int threads = 0) {
+  RenderControl control;
+  control.threads = threads;
+  Result<Rendered> result = render_abuffer(scene, options, control);
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  if (!result.ok()) std::abort();
+  return std::move(*result);
+}
+
+Image stills(const Scene& scene, int samples) {
+  SampledOptions options;
+  options.samples = samples;
+  Result<Rendered> result = render_sampled(scene, options);
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  if (!result.ok()) std::abort();
+  return std::move(result->image);
+}
+
+/// A camera at the origin that looks along z, y down, with a focal length of 64 px for 80 by 60 of them.
+Scene stage(int width = 40, int height = 30) {
+  Scene scene;
+  scene.film = {width, height, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats = {test::looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 60.0)};
+  scene.camera.look_ats[0].tan_half_fov_y = 30.0 / 64.0;
+  scene.camera.near = 0.1;
+  return scene;
+}
+
+std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
+  if (object.cloud.keys.empty()) object.cloud.keys.emplace_back();
+  SurfelPose& pose = object.cloud.keys[0].pose;
+  pose.position.push_back(position);
+  pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
+  pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
+  object.cloud.color.push_back(color);
+  return static_cast<std::uint32_t>(pose.size() - 1);
+}
+
+void move(Object& object, const Eigen::Vector3f& velocity) {
+  object.cloud.velocity.assign(object.cloud.size(), velocity);
+}
+
+/// An upright rectangle about a point.
+Object rectangle(const Eigen::Vector3d& middle, double half_width, double half_height,
+                 const Eigen::Vector3f& color) {
+  Object object;
+  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
+    add_point(object, middle + Eigen::Vector3d(x * half_width, y * half_height, 0.0), color);
+  object.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return object;
+}
+
+/// Both in one mesh; velocities too.
+Object together(const Object& a, const Object& b) {
+  Object both = a;
+  const auto first = static_cast<std::uint32_t>(a.cloud.size());
+  for (std::size_t i = 0; i < b.cloud.size(); ++i) {
+    add_point(both, b.cloud.keys[0].pose.position[i], b.cloud.color[i]);
+    if (!b.cloud.velocity.empty()) both.cloud.velocity.push_back(b.cloud.velocity[i]);
+    if (!b.cloud.acceleration.empty()) both.cloud.acceleration.push_back(b.cloud.acceleration[i]);
+  }
+  for (const Triangle& t : b.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return both;
+}
+
+/// Triangles at random, of all sizes, some of them through the near plane and behind the eye.
+Object soup(int triangles, unsigned seed, bool transparent, double speed = 0.5) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+  };
+  Object object;
+  for (int t = 0; t < triangles; ++t) {
+    const Eigen::Vector3d middle(uniform(-2.0, 2.0), uniform(-1.5, 1.5), uniform(-0.2, 6.0));
+    const double size = std::pow(10.0, uniform(-2.0, 0.3));
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d offset(uniform(-size, size), uniform(-size, size), uniform(-size, size));
+      const auto channel = [&] { return static_cast<float>(uniform(0.0, 1.0)); };
+      const auto rate = [&] { return static_cast<float>(uniform(-speed, speed)); };
+      add_point(object, middle + offset, {channel(), channel(), channel()});
+      object.cloud.velocity.emplace_back(rate(), rate(), rate());
+      if (transparent) object.cloud.opacity.push_back(channel());
+    }
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    object.triangles.push_back({first, first + 1, first + 2});
+  }
+  return object;
+}
+
+void turn(Object& object, const Eigen::Vector3d& axis, double radians) {
+  TransformKey first, last;
+  last.frame = 1.0;
+  first.rotate_axis = last.rotate_axis = axis.normalized();
+  last.rotate_radians = radians;
+  object.transform.keys = {first, last};
+}
+
+/// Blades about the z axis, two-coloured.
+Object fan(int blades) {
+  Object object;
+  for (int i = 0; i < blades; ++i) {
+    const double a = 2.0 * M_PI * i / blades, b = a + M_PI / blades;
+    const Eigen::Vector3f color =
+        i % 2 == 0 ? Eigen::Vector3f(1.0f, 0.3f, 0.1f) : Eigen::Vector3f(0.1f, 0.4f, 1.0f);
+    const std::uint32_t first = add_point(object, {0.0, 0.0, 0.0}, color);
+    add_point(object, {std::cos(a), std::sin(a), 0.1}, color);
+    add_point(object, {std::cos(b), std::sin(b), -0.1}, color);
+    object.triangles.push_back({first, first + 1, first + 2});
+  }
+  return object;
+}
+
+TEST(ExactMeshes, AreTheMeanOfManyInstants) {
+  for (const bool transparent : {false, true})
+    for (const bool turning : {false, true})
+      for (const bool two_sided : {false, true}) {
+        Scene scene = stage();
+        scene.objects = {soup(40, 7, transparent)};
+        scene.objects[0].two_sided = two_sided;
+        if (turning) {
+          turn(scene.objects[0], {1, 2, 3}, 0.4);
+          for (TransformKey& key : scene.objects[0].transform.keys) key.scale = {-1.0, 1.0, 1.0};
+        }
+        const Rendered rendered = exact(scene);
+        const Image &image = rendered.image, truth = stills(scene, 1024);
+        EXPECT_GT(psnr_db(image, truth), 70.0) << transparent << turning << two_sided;
+        EXPECT_EQ(test::counter(rendered, "path_degree"), turning ? 2.0 : 1.0);
+        for (std::size_t i = 0; i < truth.depth.size(); ++i) {
+          if (!(truth.rgba[4 * i + 3] > 0.5f)) continue;
+          EXPECT_NEAR(image.depth[i], truth.depth[i], 0.01 * double{truth.depth[i]});
+        }
+      }
+}
+
+/// Paths of each degree there is, shutters of each shape, rows that are exposed one after the other.
+TEST(ExactMeshes, FollowAnyMotionAndAnyShutter) {
+  const std::vector<std::pair<const char*, std::function<void(Scene&)>>> cases = {
+      {"acceleration",
+       [](Scene& s) {
+         s.objects[0].cloud.acceleration.assign(s.objects[0].cloud.size(), {0.8f, -0.4f, 0.6f});
+       }},
+      {"spline",
+       [](Scene& s) {
+         SurfelCloud& cloud = s.objects[0].cloud;
+         for (const double frame : {0.4, 0.7, 1.3}) {
+           SurfelKey key = cloud.keys[0];
+           key.frame = frame;
+           for (std::size_t i = 0; i < cloud.size(); ++i)
+             key.pose.position[i] +=
+                 (cloud.velocity[i] * static_cast<float>(frame * (1.0 + std::sin(9.0 * frame))))
+                     .cast<double>();
+           cloud.keys.push_back(key);
+         }
+         cloud.velocity.clear();
+         cloud.path = KeyPath::spline;
+       }},
+      {"a curve of degree 5",
+       [](Scene& s) {
+         SurfelCloud& cloud = s.objects[0].cloud;
+         for (int k = 1; k <= 5; ++k) {
+           SurfelKey key = cloud.keys[0];
+           key.frame = 0.2 * k;
+           for (std::size_t i = 0; i < cloud.size(); ++i)
+             key.pose.position[i] +=
+                 (cloud.velocity[i] * static_cast<float>(k % 2 == 0 ? 1.0 : -0.5)).cast<double>();
+           cloud.keys.push_back(key);
+         }
+         cloud.velocity.clear();
+         cloud.path = KeyPath::bezier;
+       }},
+      {"a camera that moves and turns",
+       [](Scene& s) {
+         LookAtKey last = s.camera.look_ats[0];
+         last.frame = 1.0;
+         last.eye += Eigen::Vector3d(0.3, 0.1, 0.2);
+         last.roll_radians = 0.5;
+         last.tan_half_fov_y *= 1.1;
+         s.camera.look_ats.push_back(last);
+       }},
+      {"a Gaussian shutter", [](Scene& s) { s.shutter.curve = ShutterShape::gaussian; }},
+      {"a trapezoid", [](Scene& s) { s.shutter.curve = ShutterShape::trapezoid; }},
+      {"several meshes",
+       [](Scene& s) {
+         s.objects.push_back(soup(15, 31, true));
+         s.objects.push_back(soup(10, 32, false, 0.0));
+       }},
+  };
+  for (const auto& [name, change] : cases) {
+    Scene scene = stage();
+    scene.objects = {soup(30, 9, true)};
+    change(scene);
+    EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 1024)), 70.0) << name;
+  }
+}
+
+TEST(ExactMeshes, AreTheMeanWhereNobodyChoseThem) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Scene scene = stage(24, 18);
+    scene.objects = {soup(15 + static_cast<int>(seed) % 20, seed, seed % 3 == 0)};
+    if (seed % 4 == 0) scene.objects.push_back(soup(8, seed + 100, seed % 8 == 0));
+    scene.objects[0].two_sided = seed % 2 == 0;
+    if (seed % 3 == 1) turn(scene.objects[0], {0.2, 0.1, 1.0}, 1.5);
+    // Corners on a coarse grid: edges along rays, triangles without an area, equal depths.
+    if (seed % 5 == 0)
+      for (Eigen::Vector3d& p : scene.objects[0].cloud.keys[0].pose.position)
+        p = (p * 4.0).array().round() / 4.0;
+    EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 512)), 62.0) << seed;
+  }
+}
+
+/// Rönnow et al. 2021, Fig. 11: two rectangles that change places in depth half-way, in one mesh and in two.
+TEST(ExactMeshes, ThatCrossInDepthShareTheExposure) {
+  Object near = rectangle({0, 0, 2.0}, 3.0, 3.0, {1, 0, 0}),
+         far = rectangle({0, 0, 3.0}, 4.0, 4.0, {0, 0, 1});
+  move(near, {0, 0, 1});
+  move(far, {0, 0, -1});
+  for (const bool one_mesh : {true, false}) {
+    Scene scene = stage();
+    scene.objects = {near, far};
+    if (one_mesh) scene.objects = {together(near, far)};
+    const Image image = exact(scene).image;
+    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+      ASSERT_NEAR(image.rgba[4 * i], 0.5, 1e-6) << one_mesh;
+      ASSERT_NEAR(image.rgba[4 * i + 2], 0.5, 1e-6);
+      ASSERT_NEAR(image.rgba[4 * i + 3], 1.0, 1e-6);
+      ASSERT_NEAR(image.depth[i], 2.25, 1e-5);
+    }
+  }
+}
+
+/// Gribel et al. 2013, Fig. 7: a triangle comes to the front and goes back while another passes between where
+/// it is at the ends and where it is in the middle. A depth that is a line from end to end would hide it.
+TEST(ExactMeshes, JoJoHidesWhatItPassesInFrontOf) {
+  for (const bool one_mesh : {true, false}) {
+    Object red = rectangle({0, 0, 4.0}, 9.0, 9.0, {1, 0, 0}),
+           blue = rectangle({0, 0, 3.0}, 9.0, 9.0, {0, 0, 1});
+    // z = 4 − 8τ + 8τ²: in front of 3 while τ² − τ + 1/8 < 0, for √½ of the time.
+    move(red, {0, 0, -8});
+    red.cloud.acceleration.assign(4, {0, 0, 16});
+    move(blue, {0.5, 0, 0});
+    blue.cloud.acceleration.assign(4, {0, 0, 0});
+    Scene scene = stage();
+    scene.objects = {red, blue};
+    if (one_mesh) scene.objects = {together(red, blue)};
+    const Image image = exact(scene).image;
+    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+      ASSERT_NEAR(image.rgba[4 * i], std::sqrt(0.5), 1e-6) << one_mesh;
+      ASSERT_NEAR(image.rgba[4 * i + 2], 1.0 - std::sqrt(0.5), 1e-6);
+    }
+  }
+}
+
+/// Gribel et al. 2013, Fig. 3: turned by 90° a triangle does not shrink on the way. A place at a distance r
+/// from the axis sees a blade of half a turn less or more for as long as its angle takes.
+TEST(ExactMeshes, KeepTheirShapeThroughAQuarterTurn) {
+  Scene scene = stage(60, 60);
+  scene.objects = {rectangle({0, 0, 0}, 0.6, 0.05, {1, 1, 1})};
+  turn(scene.objects[0], {0, 0, 1}, 0.5 * M_PI);
+  for (TransformKey& key : scene.objects[0].transform.keys) key.translate = {0, 0, 2.0};
+  const Image image = exact(scene).image;
+  EXPECT_GT(psnr_db(image, stills(scene, 2048)), 70.0);
+  // All of the light of the bar is its area, at each instant; along chords it would lose a third of it.
+  // Places count an area to about a thousandth.
+  double light = 0.0;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) light += double{image.rgba[4 * i + 3]};
+  const double focal = 30.0 / (30.0 / 64.0), area = 4.0 * 0.6 * 0.05 * std::pow(focal / 2.0, 2);
+  EXPECT_NEAR(light, area, 1e-3 * area);
+}
+
+TEST(ExactMeshes, AreARotatingFan) {
+  Scene scene = stage(60, 60);
+  scene.objects = {fan(14)};
+  turn(scene.objects[0], {0.1, 0.2, 1.0}, 2.0);
+  for (TransformKey& key : scene.objects[0].transform.keys) key.translate = {0, 0, 2.5};
+  EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 1024)), 70.0);
+}
+
+/// A sheet of many triangles of all shapes covers every place once at all times: no gap, and where it lets
+/// half of the light through no seam.
+TEST(ExactMeshes, MeetWithoutGapsAndOverlaps) {
+  for (const float opacity : {1.0f, 0.5f}) {
+    Scene scene = stage(60, 45);
+    std::mt19937 random(5);
+    const auto jitter = [&] { return 0.4 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
+    Object object;
+    constexpr int side = 30;
+    for (int i = 0; i <= side; ++i)
+      for (int j = 0; j <= side; ++j)
+        add_point(object,
+                  {0.12 * (i - side / 2 + jitter()), 0.1 * (j - side / 2 + jitter()), 1.0 + 0.1 * jitter()},
+                  {0.25f, 0.5f, 1.0f});
+    for (std::uint32_t i = 0; i < side; ++i)
+      for (std::uint32_t j = 0; j < side; ++j) {
+        const std::uint32_t a = i * (side + 1) + j, b = a + 1, c = a + side + 1, d = c + 1;
+        object.triangles.push_back({a, c, b});
+        object.triangles.push_back({b, c, d});
+      }
+    object.cloud.opacity.assign(object.cloud.size(), opacity);
+    move(object, {0.3f, 0.1f, 0.05f});
+    scene.objects = {object};
+    const Image image = exact(scene).image;
+    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+      ASSERT_NEAR(image.rgba[4 * i + 3], opacity, 1e-7) << i;
+      ASSERT_NEAR(image.rgba[4 * i + 2], opacity, 1e-7) << i;
+    }
+  }
+}
+
+TEST(ExactMeshes, HaveTheSameBitsHoweverTheyAreDrawn) {
+  Scene scene = stage(60, 50);
+  scene.objects = {soup(40, 21, true), soup(20, 22, false), soup(10, 23, true)};
+  turn(scene.objects[1], {1, 0, 1}, 0.7);
+  const Image first = exact(scene).image;
+  EXPECT_EQ(exact(scene, {}, 1).image.rgba, first.rgba);
+  AbufferOptions options;
+  options.tile_px = 7;
+  EXPECT_EQ(exact(scene, options).image.rgba, first.rgba);
+  options = {};
+  options.tile_fragments = 500;
+  const Rendered split = exact(scene, options);
+  EXPECT_GT(test::counter(split, "tiles_split"), 0.0);
+  EXPECT_EQ(split.image.rgba, first.rgba);
+  EXPECT_EQ(split.image.depth, first.depth);
+  std::swap(scene.objects[0], scene.objects[2]);
+  EXPECT_EQ(exact(scene).image.rgba, first.rgba);
+  scene.film.crop_x = 13, scene.film.crop_y = 10, scene.film.crop_width = 30, scene.film.crop_height = 27;
+  const Image crop = exact(scene).image;
+  for (int y = 0; y < crop.height; ++y)
+    for (int x = 0; x < crop.width; ++x)
+      for (std::size_t c = 0; c < 4; ++c)
+        ASSERT_EQ(crop.rgba[4 * static_cast<std::size_t>(y * crop.width + x) + c],
+                  first.rgba[4 * static_cast<std::size_t>((y + 10) * first.width + x + 13) + c]);
+}
+
+/// A row of a rolling shutter is that row of the scene exposed later.
+TEST(ExactMeshes, RollWithTheShutter) {
+  Scene scene = stage();
+  scene.objects = {soup(30, 9, true)};
+  scene.shutter.row_delay = 0.02;
+  const Image rolling = exact(scene).image;
+  scene.shutter.row_delay = 0.0;
+  for (const int y : {0, 7, 29}) {
+    scene.shutter.open = 0.02 * y;
+    scene.shutter.close = 1.0 + 0.02 * y;
+    const Image row = exact(scene).image;
+    for (std::size_t i = 4 * static_cast<std::size_t>(y * 40); i < 4 * static_cast<std::size_t>(y * 40 + 40);
+         ++i)
+      ASSERT_NEAR(rolling.rgba[i], row.rgba[i], 1e-5) << y;
+  }
+}
+
+TEST(ExactMeshes, StopSoon) {
+  Scene scene = stage(640, 480);
+  scene.camera.look_ats[0].tan_half_fov_y = 0.5;
+  scene.objects = {soup(3000, 3, true, 2.0)};
+  turn(scene.objects[0], {0, 0, 1}, 3.0);
+  std::stop_source source;
+  RenderControl control;
+  control.stop = source.get_token();
+  std::chrono::steady_clock::time_point asked;
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    asked = std::chrono::steady_clock::now();
+    source.request_stop();
+  });
+  const auto result = render_abuffer(scene, {}, control);
+  const auto ended = std::chrono::steady_clock::now();
+  stopper.join();
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().kind, ErrorKind::cancelled);
+  // 100 ms on a machine of its own.
+  EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), 1.0);
+}
+
+}  // namespace
+}  // namespace swept
