@@ -10,6 +10,7 @@
 
 #include <tbb/blocked_range.h>
 
+#include "abuffer/deep_store.h"
 #include "abuffer/exact_meshes.h"
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
@@ -17,45 +18,23 @@
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
 #include "abuffer/sampled.h"
+#include "abuffer/sweep_counts.h"
 #include "abuffer/through_lens.h"
 #include "abuffer/tiles/bins.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
-
-struct Counters {
-  std::uint64_t fragments = 0, still_pixels = 0, swept_pixels = 0, most_fragments = 0, split_tiles = 0;
-  double seconds_rasterize = 0.0, seconds_resolve = 0.0;
-  SweepCounters sweep;
-
-  void add(const Counters& other) {
-    fragments += other.fragments;
-    still_pixels += other.still_pixels;
-    swept_pixels += other.swept_pixels;
-    most_fragments = std::max(most_fragments, other.most_fragments);
-    split_tiles += other.split_tiles;
-    seconds_rasterize += other.seconds_rasterize;
-    seconds_resolve += other.seconds_resolve;
-    sweep.intervals += other.sweep.intervals;
-    sweep.crossings += other.sweep.crossings;
-    sweep.subdivided += other.sweep.subdivided;
-    sweep.evaluations += other.sweep.evaluations;
-    sweep.hidden += other.sweep.hidden;
-    sweep.revealed += other.sweep.revealed;
-    sweep.merged += other.sweep.merged;
-    sweep.retried += other.sweep.retried;
-    sweep.shortest += other.sweep.shortest;
-  }
-};
 
 /// One thread's tile: fragments of a window, then pixel by pixel. Its memory is kept from tile to tile.
 class TileRenderer {
  public:
   TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
-               const AbufferOptions& options, std::stop_token stop, const Image* standing, Image& image)
+               const AbufferOptions& options, std::stop_token stop, const Image* standing, Image& image,
+               DeepStore* deep)
       : set_(set),
         shades_(shades),
         background_(scene.background.cast<double>()),
@@ -68,6 +47,7 @@ class TileRenderer {
         stop_(std::move(stop)),
         standing_(standing),
         image_(image),
+        deep_(deep),
         per_pixel_(options.normalisation == Normalisation::pixel),
         still_(SurfaceModel(scene.model, options.normalisation)),
         still_by_interval_(SurfaceModel(scene.model)),
@@ -84,7 +64,7 @@ class TileRenderer {
     render_part(window, true);
   }
 
-  Counters counters;
+  SweepCounts counters;
 
  private:
   struct BoundedKernel {
@@ -149,6 +129,7 @@ class TileRenderer {
         std::uint32_t* indices = sorted_.data() + starts_[local];
         const std::size_t count = starts_[local + 1] - starts_[local];
         PixelSum pixel;
+        if (deep_ != nullptr) pixel.by_depth = &deep_->pixel(index_of(x, y));
         if (count > 0) {
           counters.most_fragments = std::max<std::uint64_t>(counters.most_fragments, count);
           if (moving_[local]) {
@@ -156,7 +137,7 @@ class TileRenderer {
             sweep_.resolve(fragments_, shades_, indices, count, pixel, counters.sweep);
           } else {
             ++counters.still_pixels;
-            if (standing_ == nullptr || per_pixel_)
+            if (standing_ == nullptr || per_pixel_ || deep_ != nullptr)
               still_.resolve(fragments_, shades_, indices, count, pixel);
             if (standing_ != nullptr) {
               store_standing(x, y, pixel, indices, count);
@@ -205,6 +186,7 @@ class TileRenderer {
   std::stop_token stop_;
   const Image* standing_;  ///< what does not move, where that is known; else null
   Image& image_;
+  DeepStore* deep_;  ///< null: nobody asked for it
   bool per_pixel_;
   StillPixel still_, still_by_interval_;
   PixelSweep sweep_;
@@ -213,38 +195,6 @@ class TileRenderer {
   std::vector<std::uint32_t> starts_, fill_, sorted_;
   std::vector<std::uint8_t> moving_;
 };
-
-void describe(const KernelSet& set, const TileBins& bins, const Counters& c, Statistics& s) {
-  const double swept = static_cast<double>(std::max<std::uint64_t>(1, c.swept_pixels));
-  s.count("surfels", static_cast<double>(set.surfels));
-  s.count("kernels", static_cast<double>(set.kernels.size()));
-  s.count("segments", set.most_segments);
-  s.count("kernels_still", static_cast<double>(set.still_kernels));
-  s.count("kernels_edge_on", static_cast<double>(set.edge_on_kernels));
-  s.count("kernels_at_near_plane", static_cast<double>(set.near_kernels));
-  s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
-  s.count("culled_near", static_cast<double>(set.culled_near));
-  s.count("culled_outside", static_cast<double>(bins.outside()));
-  s.count("culled_facing_away", static_cast<double>(bins.facing_away()));
-  s.count("tile_entries", static_cast<double>(bins.entry_count()));
-  s.count("tiles_split", static_cast<double>(c.split_tiles));
-  s.count("fragments", static_cast<double>(c.fragments));
-  s.count("fragments_in_fullest_pixel", static_cast<double>(c.most_fragments));
-  s.count("pixels_still", static_cast<double>(c.still_pixels));
-  s.count("pixels_swept", static_cast<double>(c.swept_pixels));
-  s.count("intervals", static_cast<double>(c.sweep.intervals));
-  s.count("intervals_per_swept_pixel", static_cast<double>(c.sweep.intervals) / swept);
-  s.count("intervals_merged", static_cast<double>(c.sweep.merged));
-  s.count("intervals_retried", static_cast<double>(c.sweep.retried));
-  s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
-  s.count("intervals_subdivided", static_cast<double>(c.sweep.subdivided));
-  s.count("intervals_at_shortest", static_cast<double>(c.sweep.shortest));
-  s.count("integrals", static_cast<double>(c.sweep.evaluations));
-  s.count("fragments_hidden", static_cast<double>(c.sweep.hidden));
-  s.count("hidden_revealed", static_cast<double>(c.sweep.revealed));
-  s.effect(c.swept_pixels > 0 ? "motion blur: swept where something moves"
-                              : "motion blur: skipped, nothing moves during the exposure");
-}
 
 /// What stands still, by the engine that makes still images: whatever they are part of, they have the same
 /// bits.
@@ -310,26 +260,16 @@ Result<Rendered> render_still(const Scene& scene, const AbufferOptions& options,
   return rendered;
 }
 
-Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options,
-                                const RenderControl& control) {
-  const bool per_interval = options.normalisation == Normalisation::interval;
-  const Exposure exposure = scene.exposure();
-  if (scene.camera.aperture.radius > 0.0)
-    if (Status status = refuse_row_delay(scene, "a lens"); !status) return status.error();
-  // Rows at instants of their own are stills, too.
-  if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
-  if (per_interval && nothing_moves(scene, exposure)) return render_still(scene, options, control);
-  if (scene.camera.aperture.radius > 0.0)
-    return render_through_lens(scene, control, [&](const Scene& pinhole, const RenderControl& part) {
-      return render_checked(pinhole, options, part);
-    });
-  if (has_triangles(scene)) return render_exact_meshes(scene, options, control);
+/// Every fragment of every pixel over the exposure.
+Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options, const RenderControl& control,
+                              DeepStore* deep) {
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
   out.statistics.time("kernels", watch.lap());
 
   out.image = blank_image(scene.film);
+  if (deep != nullptr) deep->start(out.image);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
   const std::vector<Shade> shades = shades_of(set);
@@ -345,8 +285,8 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   }
 
   PerThread<TileRenderer> renderers([&] {
-    return TileRenderer(scene, set, shades, options, control.stop, standing ? &*standing : nullptr,
-                        out.image);
+    return TileRenderer(scene, set, shades, options, control.stop, standing ? &*standing : nullptr, out.image,
+                        deep);
   });
   ProgressOf done(control, bins.tile_count());
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
@@ -358,7 +298,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
     }
   });
   if (control.stop.stop_requested()) return stopped_error();
-  Counters total;
+  SweepCounts total;
   for (const TileRenderer& renderer : renderers) total.add(renderer.counters);
   out.statistics.time("tiles", watch.lap());
   out.statistics.time("rasterize, all threads", total.seconds_rasterize);
@@ -367,11 +307,43 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
   return out;
 }
 
+Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& options,
+                                const RenderControl& control, DeepStore* deep) {
+  const bool per_interval = options.normalisation == Normalisation::interval;
+  const Exposure exposure = scene.exposure();
+  const bool lens = scene.camera.aperture.radius > 0.0;
+  if (lens)
+    if (Status status = refuse_row_delay(scene, "a lens"); !status) return status.error();
+  // Rows at instants of their own are stills, too.
+  if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
+  const bool still = per_interval && nothing_moves(scene, exposure);
+  std::optional<Rendered> picture;
+  if (still) {
+    Result<Rendered> rendered = render_still(scene, options, control);
+    if (!rendered || deep == nullptr) return rendered;
+    picture = *std::move(rendered);
+  }
+  // A still picture that is asked for by depth is taken apart besides.
+  const RenderControl within{.threads = control.threads, .stop = control.stop};
+  const RenderControl& rest = still ? within : control;
+  if (!lens && has_triangles(scene)) return render_exact_meshes(scene, options, control);
+  Result<Rendered> rendered =
+      !lens ? render_swept(scene, options, rest, deep)
+            : render_through_lens(scene, rest, [&](const Scene& pinhole, const RenderControl& part) {
+                return still ? render_swept(pinhole, options, part, deep)
+                             : render_checked(pinhole, options, part, deep);
+              });
+  if (rendered && picture) return *std::move(picture);
+  return rendered;
+}
+
 }  // namespace
 
 Status AbufferOptions::validate() const {
   if (tile_px < 1 || tile_px > 4096) return Error{"", "tile_px", "must be in [1, 4096]"};
   if (tile_fragments == 0) return Error{"", "tile_fragments", "must be at least 1"};
+  if (deep && normalisation != Normalisation::interval)
+    return Error{"", "deep", "goes with Normalisation::interval alone"};
   return Done{};
 }
 
@@ -380,7 +352,25 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   if (Status status = check_rows(scene); !status) return status.error();
   if (Status status = check_meshes(scene, options); !status) return status.error();
-  return render_valid(scene, options, control, render_checked);
+  if (Status status = refuse_textures(scene, "the A-buffer"); !status) return status.error();
+  if (options.deep)
+    if (Status status = refuse_triangles(scene, "the A-buffer in a deep image"); !status) return status.error();
+  if (options.deep && scene.shutter.row_delay != 0.0 && scene.exposure().instant())
+    return Error{"", "deep", "goes with a row delay only where the shutter is open for some time",
+                 ErrorKind::unsupported};
+  DeepStore store;
+  DeepStore* const deep = options.deep ? &store : nullptr;
+  Result<Rendered> rendered =
+      render_valid(scene, options, control,
+                   [deep](const Scene& valid, const AbufferOptions& as_asked, const RenderControl& within) {
+                     return render_checked(valid, as_asked, within, deep);
+                   });
+  if (!rendered || !options.deep) return rendered;
+  return without_throwing("for the samples by depth", [&]() -> Result<Rendered> {
+    rendered->deep = store.finish(rendered->image, scene.background.cast<double>());
+    rendered->statistics.count("deep_samples", static_cast<double>(rendered->deep->sample_count()));
+    return std::move(rendered);
+  });
 }
 
 }  // namespace swept

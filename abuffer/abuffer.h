@@ -19,6 +19,7 @@ struct AbufferOptions {
       1u << 20;      ///< fragments one thread may hold; a fuller tile is done in parts. > 0
   bool simd = true;  ///< false: the plain loops that define what vectors compute
   Normalisation normalisation = Normalisation::interval;  ///< the one option that changes the image
+  bool deep = false;  ///< fill Rendered::deep, too; with Normalisation::interval alone
 
   [[nodiscard]] Status validate() const;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "splat/deep_image.h"
 #include "splat/export.h"
 #include "splat/image.h"
 
@@ -41,6 +42,8 @@ struct Rendered {
   Image image;
   Statistics statistics;
   std::vector<FilmPart> parts = {};  ///< that cover the window; empty: the renderer does not tell
+  /// The image by depth, from a renderer that was asked for it (AbufferOptions::deep).
+  std::optional<DeepImage> deep = {};
 };
 
 }  // namespace swept

@@ -72,7 +72,7 @@ Status check_writable(const std::string& path, std::set<std::string>& writable_f
 }  // namespace
 
 Result<std::vector<FrameOutput>> name_outputs(const std::vector<double>& frames, const std::string& image,
-                                              const std::string& preview) {
+                                              const std::string& preview, const std::string& deep) {
   const bool several = frames.size() > 1;
   std::vector<FrameOutput> outputs;
   std::set<std::string> names;
@@ -90,6 +90,11 @@ Result<std::vector<FrameOutput>> name_outputs(const std::vector<double>& frames,
       Result<std::string> path = name_output("--preview", preview, frame, several);
       if (!path) return path.error();
       output.preview = *path;
+    }
+    if (!deep.empty()) {
+      Result<std::string> path = name_output("--deep", deep, frame, several);
+      if (!path) return path.error();
+      output.deep = *path;
     }
     outputs.push_back(std::move(output));
   }
@@ -110,10 +115,16 @@ Status check_outputs(std::vector<FrameOutput>& outputs, Existing existing, const
       if (!expected) return expected.error();
       if (Status same = check_origin(output.image, *expected); !same) return same;
       output.skip = output.preview.empty() || has_content(output.preview);
+      if (!output.deep.empty() && has_content(output.deep)) {
+        if (Status same = check_origin(output.deep, *expected); !same) return same;
+      } else if (!output.deep.empty()) {
+        output.skip = false;
+      }
       if (output.skip) continue;
     }
-    for (const auto& [path, if_exists] :
-         {std::pair{&output.image, &output.image_exists}, {&output.preview, &output.preview_exists}}) {
+    for (const auto& [path, if_exists] : {std::pair{&output.image, &output.image_exists},
+                                          {&output.preview, &output.preview_exists},
+                                          {&output.deep, &output.deep_exists}}) {
       if (path->empty()) continue;
       if (existing == Existing::refuse && exists(*path))
         return Error{*path, "", "exists; --overwrite replaces it, --skip-existing keeps it"};

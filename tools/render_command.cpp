@@ -28,7 +28,7 @@ namespace swept {
 namespace {
 
 struct RenderArguments {
-  std::string scene, output, preview, stats;
+  std::string scene, output, preview, deep, stats;
   std::vector<int> frames;  ///< empty: the scene's own
   bool half = false, overwrite = false, skip_existing = false, dry_run = false;
   RenderControl control;
@@ -69,7 +69,10 @@ void check_arguments(const RenderArguments& arguments) {
   };
   if (arguments.method->method != "sampled" && (arguments.layers->samples || arguments.layers->error))
     throw CLI::ValidationError("--layers", "samples and error go with --method sampled");
+  if (arguments.method->method != "abuffer" && !arguments.deep.empty())
+    throw CLI::ValidationError("--deep", "goes with --exact (--method abuffer)");
   check_extension("--output", arguments.output, ".exr");
+  check_extension("--deep", arguments.deep, ".exr");
   check_extension("--preview", arguments.preview, ".png");
   check_extension("--stats-json", arguments.stats, ".json");
 }
@@ -114,18 +117,20 @@ int render(const RenderArguments& arguments) {
   check_arguments(arguments);
   MethodChoice choice = *arguments.method;
   choice.arguments.expect_error = arguments.layers->error;
+  choice.arguments.expect_deep = !arguments.deep.empty();
   const Result<PreparedMethod> method = prepare_method(choice, arguments.control);
   if (!method) throw CLI::ValidationError(method.error().field, method.error().reason);
   std::vector<double> frames(arguments.frames.begin(), arguments.frames.end());
   // What the command line alone gets wrong is found without the scene.
   if (frames.size() > 1) {
-    const auto named = name_outputs(frames, arguments.output, arguments.preview);
+    const auto named = name_outputs(frames, arguments.output, arguments.preview, arguments.deep);
     if (!named) return fail(named.error(), 2);
   }
   Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
   if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
   if (frames.empty()) frames.push_back(file->scene().frame);
-  Result<std::vector<FrameOutput>> outputs = name_outputs(frames, arguments.output, arguments.preview);
+  Result<std::vector<FrameOutput>> outputs =
+      name_outputs(frames, arguments.output, arguments.preview, arguments.deep);
   if (!outputs) return fail(outputs.error(), 2);
   const Existing existing = arguments.overwrite       ? Existing::overwrite
                             : arguments.skip_existing ? Existing::skip
@@ -168,6 +173,11 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->add_option("--preview", arguments->preview,
                    "Write an sRGB preview too, with a pattern as for --output")
       ->type_name("FILE.png");
+  command
+      ->add_option("--deep", arguments->deep,
+                   "Write a deep EXR too, of what is seen at which depth, with a pattern as for --output; "
+                   "with --exact")
+      ->type_name("FILE.exr");
   command
       ->add_option_function<std::string>(
           "--frames",

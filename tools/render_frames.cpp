@@ -89,10 +89,17 @@ class FrameLoop {
     if (!rendered) return rendered.error();
     statistics.render_seconds += watch.lap();
     statistics.statistics = std::move(rendered->statistics);
+    if (!output.deep.empty() && !rendered->deep)
+      return Error{output.deep, "--deep", "this method tells nothing by depth", ErrorKind::unsupported};
     add_layers(run_.layers, std::move(frame.layers), *rendered);
     // The image last: whoever finds it finds the frame done.
     if (!output.preview.empty())
       if (Status written = write_png(output.preview, rendered->image, output.preview_exists); !written)
+        return written;
+    if (!output.deep.empty())
+      if (Status written =
+              write_deep_exr(output.deep, *rendered->deep, frame.metadata, run_.pixels, output.deep_exists);
+          !written)
         return written;
     if (Status written =
             write_exr(output.image, rendered->image, frame.metadata, run_.pixels, output.image_exists);

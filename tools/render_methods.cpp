@@ -27,6 +27,9 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
   AbufferOptions options;
   const bool per_pixel = arguments.text("--normalisation", "interval") == "pixel";
   options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
+  options.deep = arguments.expect_deep;
+  if (options.deep && per_pixel)
+    return Error{"", "--deep", "has every interval's own colours: it goes with --normalisation interval"};
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_abuffer(scene, options, within);

@@ -40,6 +40,7 @@ class MethodArguments {
   [[nodiscard]] std::vector<std::string> options() const;
 
   bool expect_error = false;  ///< the channel "error" is asked for, of methods that have it
+  bool expect_deep = false;   ///< samples by depth are, likewise
 
  private:
   std::map<std::string, std::string, std::less<>> texts_;

@@ -36,6 +36,11 @@ void AloneStack::composite(double duration, PixelSum& pixel) {
       const double sign = 2 * point - 1, share = 0.5 * duration * left, alpha = value(layers[i], 3, sign);
       for (int c = 0; c < 4; ++c) pixel.rgba[c] += share * value(layers[i], c, sign);
       pixel.depth += share * alpha * depth(layers[i], gauss_points[point]);
+      if (pixel.by_depth != nullptr) {
+        double rgba[4];
+        for (int c = 0; c < 4; ++c) rgba[c] = share * value(layers[i], c, sign);
+        pixel.by_depth->add(depth(layers[i], 0.5 * point), depth(layers[i], 0.5 + 0.5 * point), rgba);
+      }
       left *= 1.0 - alpha;
     }
     light_[point][count] = left;
@@ -87,7 +92,8 @@ bool AloneStack::swap(const Swap& crossing, double duration, PixelSum& pixel) {
   if (position_[crossing.behind] != at + 1) return false;
   const AloneLayer &a = layers[crossing.before], &b = layers[crossing.behind];
   const double rest = 1.0 - crossing.time;
-  for (const double point : gauss_points) {
+  for (int half = 0; half < 2; ++half) {
+    const double point = gauss_points[half];
     const double time = crossing.time + rest * point, sign = sign_at(time);
     const double light = 0.5 * (light_[0][at] + light_[1][at]) + 0.5 * sign * (light_[1][at] - light_[0][at]);
     const double share = 0.5 * duration * rest * light, of_a = value(a, 3, sign), of_b = value(b, 3, sign);
@@ -95,6 +101,16 @@ bool AloneStack::swap(const Swap& crossing, double duration, PixelSum& pixel) {
     for (int c = 0; c < 3; ++c)
       pixel.rgba[c] += share * (of_a * value(b, c, sign) - of_b * value(a, c, sign));
     pixel.depth += share * of_a * of_b * (depth(b, time) - depth(a, time));
+    if (pixel.by_depth != nullptr) {
+      const double from = crossing.time + 0.5 * half * rest, to = from + 0.5 * rest;
+      double less[4], more[4];
+      for (int c = 0; c < 4; ++c) {
+        less[c] = -share * of_b * value(a, c, sign);
+        more[c] = share * of_a * value(b, c, sign);
+      }
+      pixel.by_depth->add(depth(a, from), depth(a, to), less);
+      pixel.by_depth->add(depth(b, from), depth(b, to), more);
+    }
   }
   for (int point = 0; point < 2; ++point)
     light_[point][at + 1] = light_[point][at] * (1.0 - value(b, 3, 2 * point - 1));

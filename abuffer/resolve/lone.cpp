@@ -27,7 +27,8 @@ struct Lone {
     for (int c = 0; c < 4; ++c) sum.rgba[c] = mean * rgba[c];
     sum.depth = mean * static_cast<float>(z + z_rate * (from + (0.5 + place) * duration));
     float transmittance = 1.0f;
-    model.add(sum, duration, transmittance, pixel);
+    const DepthSpan span{z + z_rate * from, z + z_rate * to};
+    model.add(sum, duration, transmittance, pixel, &span);
   }
 };
 

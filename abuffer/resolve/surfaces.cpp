@@ -406,16 +406,37 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
   }
   if (surfaces_.size() == 1 && surfaces_.front().linear) {
     float transmittance = 1.0f;
-    model_.add(surfaces_.front().mean, duration, transmittance, pixel);
+    const DepthSpan span = pixel.by_depth != nullptr ? span_of(surfaces_.front()) : DepthSpan{};
+    model_.add(surfaces_.front().mean, duration, transmittance, pixel, &span);
     return;
   }
   // Of several surfaces the light that one lets through and what the next one covers change together, and the
   // product of their means is not the mean of their product.
   for (const float sign : {-1.0f, 1.0f}) {
     float transmittance = 1.0f;
-    for (const Surface& surface : surfaces_)
-      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, pixel);
+    for (const Surface& surface : surfaces_) {
+      DepthSpan span{};
+      if (pixel.by_depth != nullptr) {
+        span = span_of(surface);
+        (sign < 0.0f ? span.to : span.from) = 0.5 * (span.from + span.to);
+      }
+      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, pixel, &span);
+    }
   }
+}
+
+/// Its members' mean depth as the piece begins and as it ends.
+DepthSpan SurfaceStack::span_of(const Surface& surface) const {
+  double weight = 0.0, from = 0.0, to = 0.0;
+  for (std::size_t i = surface.first; i < surface.last; ++i) {
+    const std::uint32_t k = order_[i];
+    // Where none weighs anything, any of them will do.
+    const double of_member = std::max(double{mean_[k]}, 1e-30);
+    weight += of_member;
+    from += of_member * double{z_begin_[k]};
+    to += of_member * double{z_end_[k]};
+  }
+  return {from / weight, to / weight};
 }
 
 }  // namespace swept

@@ -278,15 +278,33 @@ PixelSweep::Front PixelSweep::kind_of(FrontSum& front, Ticks end) const {
   return front.behind && !front.opaque ? Front::other : Front::covers;
 }
 
+/// Where a front is as its piece begins and as it ends, by the line through its depths at Gauss's two points.
+DepthSpan PixelSweep::span_of(const FrontSum& front) {
+  const double mean = double{front.mean.depth} / double{front.mean.weight};
+  const SurfaceSum before = at_point(front.mean, front.swing, -1.0f),
+                   after = at_point(front.mean, front.swing, 1.0f);
+  // A quotient of lines where there is next to nothing is no depth.
+  const float least = 0.25f * front.mean.weight;
+  if (!(before.weight > least && after.weight > least)) return {mean, mean};
+  constexpr double half_of_root_three = 0.8660254037844386;
+  const double change =
+      half_of_root_three * (double{after.depth / after.weight} - before.depth / before.weight);
+  return {mean - change, mean + change};
+}
+
 void PixelSweep::add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const {
   float transmittance = 1.0f;
+  DepthSpan whole{}, half{};
+  if (pixel.by_depth != nullptr) whole = span_of(front);
   if (kind == Front::thin) {
-    model_.add(front.mean, duration, transmittance, pixel);
+    model_.add(front.mean, duration, transmittance, pixel, &whole);
     return;
   }
   for (const float sign : {-1.0f, 1.0f}) {
     transmittance = 1.0f;
-    model_.add(at_point(front.mean, front.swing, sign), 0.5 * duration, transmittance, pixel);
+    half = whole;
+    (sign < 0.0f ? half.to : half.from) = 0.5 * (whole.from + whole.to);
+    model_.add(at_point(front.mean, front.swing, sign), 0.5 * duration, transmittance, pixel, &half);
   }
 }
 

@@ -68,6 +68,7 @@ class PixelSweep {
     too_varied,  ///< a shorter piece may do
     other        ///< surfaces behind it are seen
   };
+  [[nodiscard]] static DepthSpan span_of(const FrontSum& front);
   [[nodiscard]] Front kind_of(FrontSum& front, Ticks end) const;
   void add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const;
   Ticks advance(Ticks begin, PixelSum& pixel);

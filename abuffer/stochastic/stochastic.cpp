@@ -224,6 +224,7 @@ Status StochasticOptions::validate() const {
 Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& options,
                                    const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the stochastic method"); !status) return status.error();
+  if (Status status = refuse_textures(scene, "the stochastic method"); !status) return status.error();
   if (Status status = refuse_row_delay(scene, "the stochastic method"); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "splat/export.h"
+#include "splat/interval/depth_sum.h"
 #include "splat/scene.h"
 
 namespace SWEPT_API swept {
@@ -26,6 +27,12 @@ struct PixelSum {
   double depth = 0.0;
   double opacity =
       0.0;  ///< Normalisation::pixel alone: the divisor of what rgba has of colours until finish()
+  DepthSum* by_depth = nullptr;  ///< also gathers what is added, where it is there; Normalisation::interval
+};
+
+/// Where a surface is as a piece of time begins, and where as it ends.
+struct DepthSpan {
+  double from, to;
 };
 
 /// The sums over the fragments of one surface, each fragment weighted by its ρ, or its mean over an interval.
@@ -69,8 +76,10 @@ class SurfaceModel {
   }
 
   /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
-  /// is left of the light, before and after.
-  void add(const SurfaceSum& surface, double duration, float& transmittance, PixelSum& pixel) const {
+  /// is left of the light, before and after. `span` says where it is, for pixel.by_depth; else it is at its
+  /// mean depth.
+  void add(const SurfaceSum& surface, double duration, float& transmittance, PixelSum& pixel,
+           const DepthSpan* span = nullptr) const {
     const float factor = scale(surface);
     if (factor == 0.0f) return;
     const float alpha = surface.rgba[3] * factor < 1.0f ? surface.rgba[3] * factor : 1.0f;
@@ -80,6 +89,12 @@ class SurfaceModel {
     pixel.rgba[3] += share * static_cast<double>(alpha);
     if (per_pixel_) pixel.opacity += share * static_cast<double>(surface.rgba[3]);
     pixel.depth += share * static_cast<double>(alpha) * static_cast<double>(surface.depth / surface.weight);
+    if (pixel.by_depth != nullptr) [[unlikely]] {
+      const double mean = static_cast<double>(surface.depth / surface.weight);
+      double rgba[4] = {0.0, 0.0, 0.0, share * static_cast<double>(alpha)};
+      for (int c = 0; c < 3; ++c) rgba[c] = share * static_cast<double>(surface.rgba[c] * factor);
+      pixel.by_depth->add(span ? span->from : mean, span ? span->to : mean, rgba);
+    }
     transmittance *= 1.0f - alpha;
   }
 

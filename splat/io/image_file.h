@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "splat/camera.h"
+#include "splat/deep_image.h"
 #include "splat/export.h"
 #include "splat/image.h"
 #include "splat/io/atomic_file.h"
@@ -60,6 +61,13 @@ enum class ExrPixels {
 [[nodiscard]] Status write_exr(const std::string& path, const Image& image,
                                const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32,
                                IfExists existing = IfExists::replace);
+
+/// A deep image, as scan lines: R G B A, Z and ZBack of every sample. The header is that of write_exr(), with
+/// compression ZIPS and the string deepSamples, which says what a sample means. Errors: as write_exr().
+[[nodiscard]] Status write_deep_exr(const std::string& path, const DeepImage& image,
+                                    const ImageMetadata& metadata = {},
+                                    ExrPixels pixels = ExrPixels::float32,
+                                    IfExists existing = IfExists::replace);
 
 /// Reads R, G, B and, where present, A and Z of the first part: scan lines or tiles, half, float or uint.
 /// Without A the image is opaque (1); without Z `depth` is empty. Other channels are left unread. The film is
