@@ -33,10 +33,11 @@ namespace {
 class TileRenderer {
  public:
   TileRenderer(const Scene& scene, const KernelSet& set, const std::vector<Shade>& shades,
-               const AbufferOptions& options, std::stop_token stop, const Image* standing, Image& image,
-               DeepStore* deep)
+               const std::vector<ShadeChange>& changes, const AbufferOptions& options, std::stop_token stop,
+               const Image* standing, Image& image, DeepStore* deep)
       : set_(set),
         shades_(shades),
+        changes_(changes),
         background_(scene.background.cast<double>()),
         raster_{set.projection, set.near, scene.model.delta,
                 static_cast<std::uint32_t>(shades.size() - set.kernels.size()),
@@ -113,6 +114,10 @@ class TileRenderer {
       ++starts_[fragments_.pixel[i] + 1];
       if (!is_still(fragments_, i)) moving_[fragments_.pixel[i]] = 1;
     }
+    changing_.assign(changes_.empty() ? 0 : pixels, 0);
+    for (std::size_t i = 0; i < fragments_.count && !changes_.empty(); ++i)
+      if (changes_[fragments_.kernel[i]].any())
+        moving_[fragments_.pixel[i]] = changing_[fragments_.pixel[i]] = 1;
     for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
     sorted_.resize(fragments_.count);
     fill_.assign(starts_.begin(), starts_.end() - 1);
@@ -134,7 +139,9 @@ class TileRenderer {
           counters.most_fragments = std::max<std::uint64_t>(counters.most_fragments, count);
           if (moving_[local]) {
             ++counters.swept_pixels;
-            sweep_.resolve(fragments_, shades_, indices, count, pixel, counters.sweep);
+            ChangingShades changing;
+            if (!changing_.empty() && changing_[local]) changing = {changes_.data(), raster_.row_delay * y};
+            sweep_.resolve(fragments_, shades_, indices, count, pixel, counters.sweep, changing);
           } else {
             ++counters.still_pixels;
             if (standing_ == nullptr || per_pixel_ || deep_ != nullptr)
@@ -180,6 +187,7 @@ class TileRenderer {
 
   const KernelSet& set_;
   const std::vector<Shade>& shades_;
+  const std::vector<ShadeChange>& changes_;  ///< empty: no colour changes
   Eigen::Vector4d background_;
   RasterModel raster_;
   std::size_t fragment_limit_;
@@ -193,7 +201,7 @@ class TileRenderer {
   std::vector<BoundedKernel> octagons_;
   FragmentArrays fragments_;
   std::vector<std::uint32_t> starts_, fill_, sorted_;
-  std::vector<std::uint8_t> moving_;
+  std::vector<std::uint8_t> moving_, changing_;  ///< by pixel
 };
 
 /// What stands still, by the engine that makes still images: whatever they are part of, they have the same
@@ -273,6 +281,7 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
   const TileBins bins(set, film, options.tile_px);
   const std::vector<Shade> shades = shades_of(set);
+  const std::vector<ShadeChange> changes = changes_of(set, shades);
   out.statistics.time("bins", watch.lap());
   // Points that stand still in a cloud that moves are not in it, and then it is of no use.
   std::optional<Image> standing;
@@ -285,8 +294,8 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   }
 
   PerThread<TileRenderer> renderers([&] {
-    return TileRenderer(scene, set, shades, options, control.stop, standing ? &*standing : nullptr, out.image,
-                        deep);
+    return TileRenderer(scene, set, shades, changes, options, control.stop, standing ? &*standing : nullptr,
+                        out.image, deep);
   });
   ProgressOf done(control, bins.tile_count());
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {

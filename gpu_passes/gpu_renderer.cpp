@@ -110,14 +110,11 @@ Status check_gpu_scene(const Scene& scene) {
       return Error{"", "/film/overscan", "is beyond the film, where the GPU does not draw",
                    ErrorKind::unsupported};
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-      const PointArray<float>& opacity = scene.objects[i].cloud.opacity;
-      for (const float value : opacity)
-        if (value < 1.0f)
-          return Error{
-              "", "/objects/" + std::to_string(i),
-              "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
-              "A-buffer",
-              ErrorKind::unsupported};
+      if (scene.objects[i].cloud.see_through())
+        return Error{"", "/objects/" + std::to_string(i),
+                     "has opacity below 1, and the GPU modes keep one surface per pixel; render it with the "
+                     "A-buffer",
+                     ErrorKind::unsupported};
     }
     return Done{};
   });

@@ -54,6 +54,24 @@ Status check_rates(const std::string& name, const PointArray<Eigen::Vector3f>& r
   return check_vectors(name, rates, cloud.size());
 }
 
+/// Of `n` points; names begin with `of`.
+Status check_look(const std::string& of, const PointArray<Eigen::Vector3f>& color,
+                  const PointArray<float>& opacity, std::size_t n) {
+  if (!color.empty()) {
+    if (Status s = check_vectors(of + "color", color, n); !s) return s;
+    for (std::size_t i = 0; i < color.size(); ++i)
+      if (color[i].cwiseAbs().maxCoeff() > most_color)
+        return Error{"", indexed(of + "color", i), "must lie in [-1e30, 1e30]"};
+  }
+  if (!opacity.empty() && opacity.size() != n) return wrong_count(of + "opacity", opacity.size(), n);
+  for (std::size_t i = 0; i < opacity.size(); ++i) {
+    // Written so that NaN fails it too.
+    if (!(opacity[i] >= 0.0f && opacity[i] <= 1.0f))
+      return Error{"", indexed(of + "opacity", i), "must lie in [0, 1]"};
+  }
+  return Done{};
+}
+
 }  // namespace
 
 bool SurfelCloud::moves() const {
@@ -63,6 +81,15 @@ bool SurfelCloud::moves() const {
 bool SurfelCloud::accelerates() const { return any_nonzero(acceleration); }
 
 bool SurfelCloud::spins() const { return any_nonzero(angular_velocity); }
+
+bool SurfelCloud::see_through() const {
+  const auto lets_light_through = [](const PointArray<float>& opacities) {
+    return std::any_of(opacities.begin(), opacities.end(), [](float o) { return o < 1.0f; });
+  };
+  if (looks.empty()) return lets_light_through(opacity);
+  return std::any_of(looks.begin(), looks.end(),
+                     [&](const LookKey& look) { return lets_light_through(look.opacity); });
+}
 
 Status SurfelCloud::validate() const {
   return without_throwing("to check the points", [&]() -> Status {
@@ -83,18 +110,13 @@ Status SurfelCloud::validate() const {
       if (!(lifetime[i].born <= lifetime[i].gone))
         return Error{"", indexed("lifetime", i), "must not end before it begins"};
     }
-    if (!color.empty()) {
-      if (Status s = check_vectors("color", color, n); !s) return s;
-      for (std::size_t i = 0; i < color.size(); ++i)
-        if (color[i].cwiseAbs().maxCoeff() > most_color)
-          return Error{"", indexed("color", i), "must lie in [-1e30, 1e30]"};
-    }
-    if (!opacity.empty() && opacity.size() != n) return wrong_count("opacity", opacity.size(), n);
-    for (std::size_t i = 0; i < opacity.size(); ++i) {
-      // Written so that NaN fails it too.
-      if (!(opacity[i] >= 0.0f && opacity[i] <= 1.0f)) {
-        return Error{"", indexed("opacity", i), "must lie in [0, 1]"};
-      }
+    if (Status s = check_look("", color, opacity, n); !s) return s;
+    for (std::size_t k = 0; k < looks.size(); ++k) {
+      const std::string name = indexed("looks", k);
+      if (!std::isfinite(looks[k].frame)) return Error{"", name + ".frame", "is not finite"};
+      if (k > 0 && !(looks[k - 1].frame < looks[k].frame))
+        return Error{"", name + ".frame", "must come after the frame of the look before it"};
+      if (Status s = check_look(name + ".", looks[k].color, looks[k].opacity, n); !s) return s;
     }
     if (!oriented.empty() && oriented.size() != n) return wrong_count("oriented", oriented.size(), n);
     return Done{};

@@ -52,6 +52,13 @@ enum class KeyPath {
   bezier,
 };
 
+/// Colours and opacities of a cloud at one instant, as SurfelCloud has them. Times are in frames.
+struct LookKey {
+  double frame = 0.0;
+  PointArray<Eigen::Vector3f> color;  ///< empty: white
+  PointArray<float> opacity;          ///< empty: 1
+};
+
 /// From when until when a point exists: at `born`, and no longer at `gone`. Absolute frames.
 struct Lifetime {
   double born, gone;
@@ -71,16 +78,23 @@ struct SurfelCloud {
   std::vector<Lifetime> lifetime;     ///< empty: all points exist at any time
   PointArray<Eigen::Vector3f> color;  ///< linear Rec.709, not premultiplied; empty: white
   PointArray<float> opacity;          ///< [0, 1]; empty: 1
+  /// Not empty: what a point looks like changes, and these hold in place of `color` and `opacity`. From key
+  /// to key light and opacity change evenly: colours times opacity, and opacity, are linear in time. Before
+  /// the first key and after the last they are held. Frames increase; they need not be those of `keys`.
+  std::vector<LookKey> looks;
   /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
   /// 0: it may point either way. Empty: 0 for all.
   PointArray<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
   [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
-  /// Whether anything changes over time: rates that are all zero are none. These look at every point.
+  /// Whether anything but looks changes over time: rates that are all zero are none. These look at every
+  /// point.
   [[nodiscard]] bool moves() const;
   [[nodiscard]] bool accelerates() const;
   [[nodiscard]] bool spins() const;
+  /// Whether any point lets light through at any time.
+  [[nodiscard]] bool see_through() const;
   /// Whether paths may bend between keys, or discs turn without being keyed.
   [[nodiscard]] bool curved() const {
     return (keys.size() > 2 && path != KeyPath::linear) || accelerates() || spins();

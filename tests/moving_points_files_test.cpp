@@ -4,6 +4,7 @@
 
 #include "splat/io/cloud_source.h"
 #include "splat/io/scene_file.h"
+#include "splat/motion/look.h"
 #include "tests/point_files.h"
 #include "tests/point_reports.h"
 
@@ -263,6 +264,71 @@ TEST_F(MovingPointFiles, SweepsOfALidarFitTogetherByTheirPoses) {
   }
   EXPECT_LT(least, 0.005);
   EXPECT_NEAR(most, 0.2456, 0.01);
+}
+
+/// What point `i` is at a frame: red times opacity, and opacity.
+Eigen::Vector2f look_at(const SurfelCloud& cloud, std::size_t i, double frame) {
+  const Eigen::Vector4f rgba = LooksAt(cloud, frame)[i];
+  return {rgba[0], rgba[3]};
+}
+
+const std::vector<std::string> with_looks{"x",      "y",   "z",     "nx",   "ny",    "nz",
+                                          "radius", "red", "green", "blue", "alpha", "id"};
+
+TEST_F(MovingPointFiles, ColorsOpacitiesAndRadiiChangeFromFileToFile) {
+  std::vector<std::string> names = with_looks;
+  names.pop_back();
+  add(names, {{0, 0, 0, 0, 0, 1, 0.2, 1, 0, 0, 1}, {1, 0, 0, 0, 0, 1, 0.2, 0.5, 0, 0, 1}});
+  add(names, {{0, 0, 0, 0, 0, 1, 0.4, 0, 0, 1, 0.5}, {1, 0, 0, 0, 0, 1, 0.2, 0.5, 0, 0, 1}});
+  const auto loaded = read_cloud(source(), 0.0, 1.0);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const SurfelCloud& cloud = loaded->cloud;
+  EXPECT_TRUE(look_at(cloud, 0, 0.25).isApprox(Eigen::Vector2f(0.75f, 0.875f)));
+  EXPECT_TRUE(look_at(cloud, 1, 0.25).isApprox(Eigen::Vector2f(0.5f, 1.0f)));
+  EXPECT_NEAR(surfel_at(cloud, 0, 0.25).axis_u.norm(), 0.25, 1e-6);
+  EXPECT_TRUE(has_part(loaded->report.assumed, "colours and opacities change evenly from file to file"));
+}
+
+TEST_F(MovingPointFiles, LooksThatAreTheSameInAllFilesAreNone) {
+  std::vector<std::string> names = with_looks;
+  names.resize(10);
+  add(names, {{0, 0, 0, 0, 0, 1, 0.2, 1, 0, 0}});
+  add(names, {{1, 0, 0, 0, 0, 1, 0.2, 1, 0, 0}});
+  EXPECT_TRUE(read_cloud(source(), 0.0, 1.0)->cloud.looks.empty());
+  add(names, {{2, 0, 0, 0, 0, 1, 0.2, 0, 1, 0}});
+  EXPECT_FALSE(read_cloud(source(), 0.0, 2.0)->cloud.looks.empty());
+  // What the scene says of colours is not overruled.
+  CloudSource white = source();
+  white.color = Vector3f::Ones();
+  EXPECT_TRUE(read_cloud(white, 0.0, 2.0)->cloud.looks.empty());
+}
+
+TEST_F(MovingPointFiles, LooksFollowTheIdsOfTheirPoints) {
+  add(with_looks, {{0, 0, 0, 0, 0, 1, 0.2, 1, 0, 0, 1, 7}, {5, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 1, 8}});
+  add(with_looks, {{5, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 1, 8}, {0, 0, 0, 0, 0, 1, 0.2, 0.5, 0, 0, 1, 7}});
+  const auto loaded = read_cloud(source(), 0.0, 1.0);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double red = x_at(loaded->cloud, i, 0.0) == 0.0 ? 0.75 : 0.0;
+    EXPECT_NEAR(look_at(loaded->cloud, i, 0.5)[0], red, 1e-6) << i;
+  }
+}
+
+TEST_F(MovingPointFiles, PointsThatComeAndGoHaveTheLooksOfTheFilesThatHaveThem) {
+  add(with_looks, {{0, 0, 0, 0, 0, 1, 0.2, 1, 0, 0, 1, 7}, {5, 0, 0, 0, 0, 1, 0.2, 0.2, 0, 0, 1, 8}});
+  add(with_looks, {{0, 0, 0, 0, 0, 1, 0.2, 0.5, 0, 0, 1, 7}, {5, 0, 0, 0, 0, 1, 0.2, 0.4, 0, 0, 1, 8}});
+  add(with_looks, {{0, 0, 0, 0, 0, 1, 0.2, 0.5, 0, 0, 1, 7}, {9, 0, 0, 0, 0, 1, 0.2, 0.9, 0, 0, 1, 9}});
+  const auto loaded = read_cloud(source(), 0.0, 2.0);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const SurfelCloud& cloud = loaded->cloud;
+  ASSERT_EQ(cloud.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = x_at(cloud, i, 0.0);
+    EXPECT_NEAR(look_at(cloud, i, 0.5)[0], x == 0.0 ? 0.75 : x == 5.0 ? 0.3 : 0.9, 1e-6) << x;
+    if (x == 5.0) {
+      EXPECT_NEAR(look_at(cloud, i, 1.4)[0], 0.4, 1e-6);
+    }
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "splat/lens_points.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 #include "splat/motion/segments.h"
 
 namespace swept {
@@ -18,6 +19,7 @@ std::string reason(const Scene& scene, const Object& object, const Exposure& exp
     if (moves) what += (what.empty() ? "" : ", ") + std::string(name);
   };
   add(object.cloud.moves() || object.splats.moves(), "its points");
+  add(looks_change(object.cloud, exposure.open, exposure.close), "its colours");
   add(!object.transform.constant_over(exposure.open, exposure.close), "its transform");
   add(!scene.camera.constant_over(exposure.open, exposure.close), "the camera");
   return what.empty() ? "nothing moves" : what;
@@ -73,8 +75,7 @@ std::vector<ObjectPlan> effect_plan(const Scene& scene) {
     const bool still = stands_still(scene, object, exposure);
     if (!still && !plan.splats && !plan.triangles) plan.segments = linear_segments(scene, object, exposure);
     plan.motion = still ? "still" : plan.segments > 1 ? "curved" : "straight";
-    plan.layered = plan.splats ||
-                   std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o < 1.0f; });
+    plan.layered = plan.splats || cloud.see_through();
     plan.one_sided = !object.two_sided;
     plan.oriented = static_cast<std::size_t>(
         std::count_if(cloud.oriented.begin(), cloud.oriented.end(), [](auto known) { return known != 0; }));

@@ -74,8 +74,7 @@ ObjectReport report_object(const Scene& scene, const Object& object, const Objec
   if (!cloud.velocity.empty())
     report.velocity_unit = source.velocity == VelocityUnit::per_frame ? "per_frame" : "per_second";
   report.longest_streak_px = longest_streak_px(scene, object);
-  report.has_opacity =
-      std::any_of(cloud.opacity.begin(), cloud.opacity.end(), [](float value) { return value < 1.0f; });
+  report.has_opacity = cloud.see_through();
   report.two_sided = object.two_sided;
   report.segments = most_segments(scene, object, scene.exposure());
   report.low.setConstant(std::numeric_limits<double>::infinity());

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "abuffer/reference/posed_scene.h"
 #include "splat/interval/pixel_places.h"
 #include "splat/motion/instant.h"
 
@@ -73,11 +74,7 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t point = triangle[i];
       corners.at[i] = instant.to_camera(surfel_at(object.cloud, point, frame).position);
-      const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
-      corners.color[i] << (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[point])
-                              .cast<double>(),
-          1.0;
-      corners.color[i] *= double{opacity};
+      corners.color[i] = light_of(object.cloud, point, frame);
       if (texture_) corners.uv[i] = object.texture_corners[t][i].cast<double>();
       in_front = in_front && corners.at[i].z() > near_;
       const Eigen::Array2d film_at =

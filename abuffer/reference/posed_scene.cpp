@@ -87,6 +87,29 @@ Nine on_rates(const SurfelCloud& cloud, std::size_t i, double frame) {
   return at;
 }
 
+}  // namespace
+
+Eigen::Vector4d light_of(const SurfelCloud& cloud, std::size_t i, double frame) {
+  const auto premultiplied = [i](const auto& color, const auto& opacity) {
+    const double o = opacity.empty() ? 1.0 : double{opacity[i]};
+    Eigen::Vector4d light(o, o, o, o);
+    if (!color.empty()) light.head<3>() = o * color[i].template cast<double>();
+    return light;
+  };
+  const std::vector<LookKey>& looks = cloud.looks;
+  if (looks.empty()) return premultiplied(cloud.color, cloud.opacity);
+  // Straight lines, held beyond the ends.
+  std::size_t k = 0;
+  while (k + 1 < looks.size() && looks[k + 1].frame <= frame) ++k;
+  const Eigen::Vector4d from = premultiplied(looks[k].color, looks[k].opacity);
+  if (k + 1 == looks.size() || frame <= looks[k].frame) return from;
+  const Eigen::Vector4d to = premultiplied(looks[k + 1].color, looks[k + 1].opacity);
+  const double length = looks[k + 1].frame - looks[k].frame;
+  return (looks[k + 1].frame - frame) / length * from + (frame - looks[k].frame) / length * to;
+}
+
+namespace {
+
 SurfelCloud posed(const SurfelCloud& cloud, double frame) {
   SurfelCloud still;
   still.keys.push_back({frame, {}});
@@ -98,9 +121,16 @@ SurfelCloud posed(const SurfelCloud& cloud, double frame) {
     pose.position.emplace_back(at.head<3>());
     pose.axis_u.emplace_back(at.segment<3>(3).cast<float>());
     pose.axis_v.emplace_back(at.tail<3>().cast<float>());
-    if (!cloud.color.empty()) still.color.push_back(cloud.color[i]);
+    if (!cloud.looks.empty()) {
+      const Eigen::Vector4d light = light_of(cloud, i, frame);
+      const double per_opacity = light.w() > 0.0 ? 1.0 / light.w() : 0.0;
+      still.color.emplace_back((per_opacity * light.head<3>()).cast<float>());
+      still.opacity.push_back(static_cast<float>(std::min(1.0, light.w())));
+    } else if (!cloud.color.empty()) {
+      still.color.push_back(cloud.color[i]);
+    }
     if (!cloud.oriented.empty()) still.oriented.push_back(cloud.oriented[i]);
-    if (!cloud.opacity.empty()) still.opacity.push_back(cloud.opacity[i]);
+    if (cloud.looks.empty() && !cloud.opacity.empty()) still.opacity.push_back(cloud.opacity[i]);
   }
   return still;
 }
@@ -111,7 +141,7 @@ bool has_own_paths(const Scene& scene) {
   return std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
     const SurfelCloud& cloud = object.cloud;
     return cloud.path != KeyPath::linear || !cloud.acceleration.empty() || !cloud.angular_velocity.empty() ||
-           !cloud.lifetime.empty();
+           !cloud.lifetime.empty() || !cloud.looks.empty();
   });
 }
 

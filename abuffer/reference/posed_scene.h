@@ -2,12 +2,20 @@
 // with splat/motion.
 #pragma once
 
+#include <cstddef>
+
+#include <Eigen/Core>
+
 #include "splat/scene.h"
 
 namespace swept::reference {
 
-/// Whether the reference places the points of the scene itself: paths that curve, points that come and go.
+/// Whether the reference places the points of the scene itself: paths that curve, points that come and go,
+/// colours that change.
 [[nodiscard]] bool has_own_paths(const Scene& scene);
+
+/// Premultiplied RGBA of point `i` at `frame`.
+[[nodiscard]] Eigen::Vector4d light_of(const SurfelCloud& cloud, std::size_t i, double frame);
 
 /// A scene of which the points are placed.
 class PosedScene {

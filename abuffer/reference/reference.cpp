@@ -69,7 +69,7 @@ bool expose(const Scene& scene, const Source& source, int samples, Progress& pro
 
 bool nothing_moves(const KernelSet& set) {
   return std::all_of(set.kernels.begin(), set.kernels.end(), [](const MovingKernel& kernel) {
-    return kernel.still() && kernel.t_begin <= 0.0f && kernel.t_end >= 1.0f;
+    return kernel.still() && !kernel.changes_color() && kernel.t_begin <= 0.0f && kernel.t_end >= 1.0f;
   });
 }
 

@@ -106,7 +106,7 @@ Disc place(const MovingKernel& kernel, double tau, const Projection& projection,
   disc.plane = disc.normal.dot(disc.center);
   disc.weight = kernel.weight;
   disc.tolerance = kernel.depth_tolerance;
-  disc.color = kernel.color.cast<double>();
+  disc.color = kernel.color.cast<double>() + (tau - kernel.t_mid()) * kernel.color_rate.cast<double>();
   disc.box = bounding_box(disc.center, axis_u, axis_v, projection, near, window);
   return disc;
 }

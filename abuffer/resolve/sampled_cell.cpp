@@ -117,13 +117,7 @@ void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) 
     placed.seen = placed.front = placed.back = 0;
     placed.general = object.lanes[p];
   }
-  const float* colors = object.colors.data() + 4 * p * packet_size;
-  for (int lane = 0; lane < packet_size; ++lane) {
-    placed.red[lane] = colors[lane];
-    placed.green[lane] = colors[packet_size + lane];
-    placed.blue[lane] = colors[2 * packet_size + lane];
-    placed.alpha[lane] = colors[3 * packet_size + lane];
-  }
+  object.color(p, at, placed);
   for (std::uint32_t lanes = placed.general; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(__builtin_ctz(lanes));
     const auto disc = GeneralDisc::make(scene_, *object.object, at, object.points[p * packet_size + lane]);

@@ -16,6 +16,11 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 /// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
 constexpr float coverage_error = 0x1p-15f;
 
+/// How much of its opacity a fragment may gain or lose in one piece. A product of n that all change by so
+/// much is of degree n, and what Gauss's two points miss of it is of the fourth power.
+constexpr float most_fading = 0.125f;
+constexpr float per_root_three = 0.57735026919f;
+
 using Color = float __attribute__((vector_size(16)));
 
 }  // namespace
@@ -53,7 +58,9 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
 
   const DepthRange range = math_.depths_over(all, begin, end, z_begin_.data(), z_end_.data());
   margin_ = 2.0f * range.max_tolerance;
-  const float longest = longest_piece(range.max_rate, longest_span, model_.delta());
+  float longest = longest_piece(range.max_rate, longest_span, model_.delta());
+  for (const std::array<float, 4>& rate : active_->rates)
+    if (std::abs(rate[3]) * longest > most_fading) longest = most_fading / std::abs(rate[3]);
   const auto duration = static_cast<float>(share_of(end - begin));
   if (duration > longest) {
     const Ticks cut = shorten(begin, end, longest / duration);
@@ -80,7 +87,7 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
     behind_to_[i] = std::min(behind_to_[i + 1], to_[i]);
   }
   weigh(begin, end);
-  if (range.max_tolerance == 0.0f && stand_alone()) return end;
+  if (range.max_tolerance == 0.0f && stand_alone(begin, end)) return end;
   limit_ = -infinity;
   Ticks until = end;
   for (std::size_t first = 0; first < count && transmittance_ > opaque_transmittance;) {
@@ -99,7 +106,7 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
 
 /// Whether every member is a surface by itself, all the time, and some light gets past them all; then they
 /// are alone_'s layers.
-bool SurfaceStack::stand_alone() {
+bool SurfaceStack::stand_alone(Ticks begin, Ticks end) {
   const Members all = active_->members.view();
   const float *peaks = all.field(member_peak), *slopes = all.field(member_z_rate);
   const float edge = model_.edge_weight();
@@ -118,6 +125,15 @@ bool SurfaceStack::stand_alone() {
     for (std::size_t c = 0; c < 4; ++c) {
       layer.mean[c] = thin ? mean_[k] / edge * active_->colors[k][c] : active_->colors[k][c];
       layer.swing[c] = thin ? swing_[k] / edge * active_->colors[k][c] : 0.0f;
+    }
+    if (!active_->rates.empty()) {
+      const LightOver of_piece = light_over(k, begin, end);
+      for (std::size_t c = 0; c < 4; ++c) {
+        layer.mean[c] =
+            thin ? (mean_[k] * of_piece.mean[c] + swing_[k] * of_piece.swing[c]) / edge : of_piece.mean[c];
+        layer.swing[c] =
+            thin ? (swing_[k] * of_piece.mean[c] + mean_[k] * of_piece.swing[c]) / edge : of_piece.swing[c];
+      }
     }
     layer.z_begin = z_begin_[k];
     layer.z_end = z_end_[k];
@@ -324,6 +340,18 @@ Ticks SurfaceStack::shorten(Ticks begin, Ticks end, float fraction) {
   return cut;
 }
 
+SurfaceStack::LightOver SurfaceStack::light_over(std::size_t slot, Ticks begin, Ticks end) const {
+  const auto half = static_cast<float>(0.5 * share_of(end - begin));
+  const float since = static_cast<float>(share_of(begin - active_->members.t_begin(slot))) + half;
+  LightOver light;
+  for (std::size_t c = 0; c < 4; ++c) {
+    const float rate = active_->rates[slot][c];
+    light.mean[c] = active_->colors[slot][c] + since * rate;
+    light.swing[c] = per_root_three * half * rate;
+  }
+  return light;
+}
+
 void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
   const Members all = active_->members.view();
   const float *peaks = all.field(member_peak), *rates = all.field(member_rate);
@@ -337,8 +365,19 @@ void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
     std::memcpy(&rgba, &colors[k], sizeof rgba);
     mean.weight += mean_[k];
     swing.weight += swing_[k];
-    color += mean_[k] * rgba;
-    color_swing += swing_[k] * rgba;
+    if (active_->rates.empty()) {
+      color += mean_[k] * rgba;
+      color_swing += swing_[k] * rgba;
+    } else {
+      // The mean of ρ times what is linear is that of both means and of both swings; ρ's own bend is left out
+      // of the product's swing.
+      const LightOver light = light_over(k, begin, end);
+      Color of_light, light_swing;
+      std::memcpy(&of_light, &light.mean, sizeof of_light);
+      std::memcpy(&light_swing, &light.swing, sizeof light_swing);
+      color += mean_[k] * of_light + swing_[k] * light_swing;
+      color_swing += swing_[k] * of_light + mean_[k] * light_swing;
+    }
     mean.depth += depth_[k];
     swing.depth += depth_swing_[k];
     surface.variation += variation_[k];

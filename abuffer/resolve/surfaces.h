@@ -37,6 +37,8 @@ struct ActiveSet {
   MemberSet members;
   std::vector<std::uint32_t> place_of_slot;  ///< member → place
   std::vector<std::array<float, 4>> colors;  ///< of the members once more, side by side
+  /// How these change per unit of τ; they are those of where each member begins. Empty if none changes.
+  std::vector<std::array<float, 4>> rates;
   std::vector<std::uint32_t> slot_of_place;  ///< place → member, or no_slot
   std::uint32_t of_side[3] = {0, 0, 0};      ///< how many members show each Side
   static constexpr std::uint32_t no_slot = ~0u;
@@ -52,8 +54,13 @@ struct ActiveSet {
     members.clear();
     place_of_slot.clear();
     colors.clear();
+    rates.clear();
     for (std::uint32_t& count : of_side) count = 0;
     slot_of_place.assign(places, no_slot);
+  }
+  void push(std::uint32_t place, const Member& member, const float (&color_rate)[4]) {
+    rates.push_back({color_rate[0], color_rate[1], color_rate[2], color_rate[3]});
+    push(place, member);
   }
   void push(std::uint32_t place, const Member& member) {
     slot_of_place[place] = static_cast<std::uint32_t>(members.size());
@@ -67,6 +74,7 @@ struct ActiveSet {
     slot_of_place[place_of_slot.back()] = no_slot;
     place_of_slot.pop_back();
     colors.pop_back();
+    if (!rates.empty()) rates.pop_back();
     members.pop();
   }
   /// The last member takes the place of member `slot`.
@@ -78,6 +86,10 @@ struct ActiveSet {
     place_of_slot.pop_back();
     colors[slot] = colors.back();
     colors.pop_back();
+    if (!rates.empty()) {
+      rates[slot] = rates.back();
+      rates.pop_back();
+    }
     if (slot == members.size()) return;
     place_of_slot[slot] = moved;
     slot_of_place[moved] = static_cast<std::uint32_t>(slot);
@@ -124,7 +136,7 @@ class SurfaceStack {
   };
 
   Ticks attempt(Ticks begin, Ticks end);
-  bool stand_alone();
+  bool stand_alone(Ticks begin, Ticks end);
   void take_light();
   void rank();
   void weigh(Ticks begin, Ticks end);
@@ -136,6 +148,11 @@ class SurfaceStack {
   std::size_t part_sides(std::size_t first, std::size_t last);
   [[nodiscard]] double wait_for_change(std::size_t first, std::size_t last, std::size_t reached,
                                        double duration) const;
+  /// Of a member over a piece: its premultiplied colour in the middle, and from there to Gauss's later point.
+  struct LightOver {
+    std::array<float, 4> mean, swing;
+  };
+  [[nodiscard]] LightOver light_over(std::size_t slot, Ticks begin, Ticks end) const;
   Ticks measure(Surface& surface, Ticks begin, Ticks end);
   Ticks shorten(Ticks begin, Ticks end, float fraction);
 

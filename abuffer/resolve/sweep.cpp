@@ -28,8 +28,9 @@ std::uint32_t event_place(std::uint64_t key) { return static_cast<std::uint32_t>
 
 void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
                          const std::uint32_t* indices, std::size_t count, PixelSum& pixel,
-                         SweepCounters& counters) {
+                         SweepCounters& counters, const ChangingShades& changes) {
   counters_ = &counters;
+  changes_ = changes;
   start(fragments, shades.data(), indices, count);
   for (Ticks time = 0;;) {
     admit(time + 1);
@@ -68,6 +69,16 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
   front_limit_ = infinity;
   forget_hidden();
   surfaces_.start(count);
+}
+
+void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
+  const std::uint32_t shade = fragments_->kernel[f];
+  Member member = member_of(*fragments_, f, shades_[shade]);
+  if (changes_.of == nullptr) return active_.push(place, member);
+  const ShadeChange& change = changes_.of[shade];
+  const auto since = static_cast<float>(share_of(fragments_->t_begin[f]) + changes_.later - change.t_mid);
+  for (std::size_t c = 0; c < 4; ++c) member[member_red + c] += since * change.rate[c];
+  active_.push(place, member, change.rate);
 }
 
 /// By as many buckets of time as there are events, and within each: times are spread out more often than not.
@@ -116,7 +127,7 @@ void PixelSweep::admit(Ticks before) {
     if (lies_behind(f))
       hide(place);
     else
-      active_.push(place, member_of(*fragments_, f, shades_[fragments_->kernel[f]]));
+      activate(place, f);
   }
 }
 
@@ -177,8 +188,7 @@ void PixelSweep::reveal(Ticks time) {
     const std::uint32_t f = indices_[place];
     is_hidden_[place] = 0;
     // What is still to come will be let in then.
-    if (event_key(fragments_->t_begin[f], place) < to_come && fragments_->t_end[f] > time)
-      active_.push(place, member_of(*fragments_, f, shades_[fragments_->kernel[f]]));
+    if (event_key(fragments_->t_begin[f], place) < to_come && fragments_->t_end[f] > time) activate(place, f);
   }
   forget_hidden();
 }
@@ -198,7 +208,8 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
     ++counters_->intervals;
     ++counters_->evaluations;
     front_limit_ = infinity;
-    add_lone(model_, active_.members, 0, begin, event, pixel);
+    add_lone(model_, active_.members, 0, begin, event, pixel,
+             changes_.of == nullptr ? nullptr : active_.rates.front().data());
     return event;
   }
   Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), shutter_close) : event;
@@ -322,7 +333,8 @@ Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
     surfaces_.composite(begin, piece_end, pixel, *counters_);
     front_limit_ = infinity;
     if (opaque) hide_what_is_behind(surfaces_.limit() + surfaces_.margin(), piece_end);
-    step_ = surfaces_.one_covers() ? piece_end - begin : 0;
+    // The sums of a front know no colours that change.
+    step_ = surfaces_.one_covers() && changes_.of == nullptr ? piece_end - begin : 0;
     begin = piece_end;
   }
   return end;

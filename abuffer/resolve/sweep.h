@@ -33,6 +33,13 @@
 
 namespace swept {
 
+/// How the shades of fragments change, and by how much shutter time later than the kernels' own the pixel's
+/// row is exposed. None: all keep their colours.
+struct ChangingShades {
+  const ShadeChange* of = nullptr;
+  double later = 0.0;
+};
+
 class PixelSweep {
  public:
   explicit PixelSweep(const SurfaceModel& model, const IntervalMath& math = interval_math_builds().back())
@@ -41,12 +48,14 @@ class PixelSweep {
   /// Resolves the `count` fragments `indices` of `fragments`, in any order, provided it does not depend on
   /// the order of the scene's points. Adds to `pixel` and `counters`.
   void resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
-               const std::uint32_t* indices, std::size_t count, PixelSum& pixel, SweepCounters& counters);
+               const std::uint32_t* indices, std::size_t count, PixelSum& pixel, SweepCounters& counters,
+               const ChangingShades& changes = {});
 
  private:
   void start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
              std::size_t count);
   void sort_begins();
+  void activate(std::uint32_t place, std::uint32_t fragment);
   void admit(Ticks before);
   void withdraw(Ticks from);
   void let_go(Ticks time);
@@ -84,6 +93,7 @@ class PixelSweep {
   const Shade* shades_ = nullptr;
   const std::uint32_t* indices_ = nullptr;
   SweepCounters* counters_ = nullptr;
+  ChangingShades changes_;
 
   std::vector<std::uint64_t> begins_, by_bucket_;  ///< time above, place below; sorted
   std::vector<std::uint32_t> buckets_;

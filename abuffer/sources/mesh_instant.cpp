@@ -47,7 +47,8 @@ CellRange cells_of(const FilmBox& box, double margin, const CellGrid& grid) {
 MeshInstant::MeshInstant(const Scene& scene, const Object& object, double frame)
     : object_(&object),
       projection_(projection_of(scene.film, scene.camera.at(frame))),
-      near_(scene.camera.near) {
+      near_(scene.camera.near),
+      frame_(frame) {
   const Instant instant = instant_at(scene, object, {frame, frame}, 0.0);
   mirrored_ = (instant.camera_from_world * instant.world_from_object.linear()).determinant() < 0.0;
   const SurfelsAt at(object.cloud, frame);

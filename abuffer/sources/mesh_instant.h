@@ -41,6 +41,7 @@ class MeshInstant {
   [[nodiscard]] const Object& object() const { return *object_; }
   [[nodiscard]] const Projection& projection() const { return projection_; }
   [[nodiscard]] double near() const { return near_; }
+  [[nodiscard]] double frame() const { return frame_; }
   /// Whether object and camera mirror the mesh, so that its front is where it looks clockwise.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
   /// Of a triangle, camera space.
@@ -59,7 +60,7 @@ class MeshInstant {
  private:
   const Object* object_;
   Projection projection_;
-  double near_;
+  double near_, frame_;
   bool mirrored_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::size_t> starts_;

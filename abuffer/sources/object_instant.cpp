@@ -48,6 +48,7 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
     lens_px = scene.camera.aperture.radius * projection.focal_px;
     per_focus = 1.0 / scene.camera.at(frame).lens.focus;
   }
+  if (!packets.looks.empty()) look = look_place(packets.looks, frame);
   const auto after = std::upper_bound(packets.frames.begin(), packets.frames.end(), frame);
   const std::size_t stretch =
       after == packets.frames.begin() ? 0 : static_cast<std::size_t>(after - packets.frames.begin()) - 1;
@@ -141,10 +142,8 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
   pixel_range(box.x_min, box.x_max, general.x_begin, general.x_end);
   pixel_range(box.y_min, box.y_max, general.y_begin, general.y_end);
   general.tolerance = kernel.depth_tolerance;
-  const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
-  for (int c = 0; c < 3; ++c)
-    general.rgba[c] = opacity * (object.cloud.color.empty() ? 1.0f : object.cloud.color[point][c]);
-  general.rgba[3] = opacity;
+  const Eigen::Vector4f rgba = LooksAt(object.cloud, at.instant.frame)[point];
+  for (int c = 0; c < 4; ++c) general.rgba[c] = rgba[c];
   general.projection_ = projection;
   general.near_ = scene.camera.near;
   general.delta_ = scene.model.delta;

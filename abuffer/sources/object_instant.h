@@ -13,6 +13,7 @@
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 
 namespace swept {
 
@@ -31,6 +32,7 @@ struct ObjectInstant {
   double enlarges = 1.0;  ///< most that a length grows from object to camera space
   std::size_t pose = 0;   ///< first of the stretch of PointPackets, and how far on it is in it
   double blend = 0.0;
+  LookPlace look;                    ///< among PointPackets::looks
   std::vector<double> bernstein;     ///< of the other control points of the stretch; empty where degree is 1
   std::optional<SurfelsAt> surfels;  ///< where discs spin
   /// Of a scene with a lens: radius times focal length, and 1 / focus. bounds() contains what any point of

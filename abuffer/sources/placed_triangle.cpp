@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/motion/look.h"
+
 namespace swept {
 namespace {
 
@@ -43,12 +45,10 @@ std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_
   placed.most_inverse = static_cast<float>(1.0 / mesh.near());
   placed.cut = !(p[0]->z() >= mesh.near() && p[1]->z() >= mesh.near() && p[2]->z() >= mesh.near());
   placed.plain = true;
+  const LooksAt looks(object.cloud, mesh.frame());
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint32_t point = object.triangles[triangle][i];
-    const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
-    for (int c = 0; c < 3; ++c)
-      placed.rgba[i][c] = opacity * (object.cloud.color.empty() ? 1.0f : object.cloud.color[point][c]);
-    placed.rgba[i][3] = opacity;
+    const Eigen::Vector4f rgba = looks[object.triangles[triangle][i]];
+    for (int c = 0; c < 4; ++c) placed.rgba[i][c] = rgba[c];
     placed.plain = placed.plain && std::equal(placed.rgba[i], placed.rgba[i] + 4, placed.rgba[0]);
   }
   placed.textured = object.texture != nullptr;

@@ -11,6 +11,7 @@
 #include "abuffer/sources/content_order.h"
 #include "abuffer/sources/object_instant.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 #include "splat/motion/path.h"
 
 namespace swept {
@@ -35,12 +36,26 @@ std::vector<PathWeights> poses_of(const SurfelCloud& cloud, const std::vector<do
   return poses;
 }
 
+/// Indices of the looks between which those of the exposure lie, and the one after the last; none where one
+/// look holds throughout.
+std::pair<std::size_t, std::size_t> looks_of(const SurfelCloud& cloud, const Exposure& exposure) {
+  if (!looks_change(cloud, exposure.open, exposure.close)) return {0, 0};
+  return {look_place(cloud.looks, exposure.open).before, look_place(cloud.looks, exposure.close).after + 1};
+}
+
 /// Everything that tells one point from another.
 class Content {
  public:
-  Content(const SurfelCloud& cloud, const std::vector<PathWeights>& poses)
-      : cloud_(cloud), spins_(cloud.spins()) {
+  Content(const SurfelCloud& cloud, const std::vector<PathWeights>& poses, const Exposure& exposure)
+      : cloud_(cloud), spins_(cloud.spins()), color_(&cloud.color), opacity_(&cloud.opacity) {
     for (const PathWeights& pose : poses) poses_.emplace_back(cloud, pose);
+    const auto [first, end] = looks_of(cloud, exposure);
+    for (std::size_t k = first; k < end; ++k) looks_.emplace_back(cloud, cloud.looks[k].frame);
+    if (cloud.looks.empty()) return;
+    // Looks that are held are as good as the cloud's own.
+    const LookKey& held = cloud.looks[look_place(cloud.looks, exposure.open).before];
+    color_ = &held.color;
+    opacity_ = &held.opacity;
   }
 
   [[nodiscard]] bool less(std::size_t a, std::size_t b) const {
@@ -60,11 +75,16 @@ class Content {
       if (s.born != t.born) return s.born < t.born;
       if (s.gone != t.gone) return s.gone < t.gone;
     }
-    if (!cloud_.color.empty())
+    if (looks_.empty() && !color_->empty())
       for (int i = 0; i < 3; ++i)
-        if (cloud_.color[a][i] != cloud_.color[b][i]) return cloud_.color[a][i] < cloud_.color[b][i];
-    if (!cloud_.opacity.empty() && cloud_.opacity[a] != cloud_.opacity[b])
-      return cloud_.opacity[a] < cloud_.opacity[b];
+        if ((*color_)[a][i] != (*color_)[b][i]) return (*color_)[a][i] < (*color_)[b][i];
+    if (looks_.empty() && !opacity_->empty() && (*opacity_)[a] != (*opacity_)[b])
+      return (*opacity_)[a] < (*opacity_)[b];
+    for (const LooksAt& looks : looks_) {
+      const Eigen::Vector4f s = looks[a], t = looks[b];
+      for (int i = 0; i < 4; ++i)
+        if (s[i] != t[i]) return s[i] < t[i];
+    }
     return !cloud_.oriented.empty() && cloud_.oriented[a] < cloud_.oriented[b];
   }
 
@@ -85,9 +105,11 @@ class Content {
       mix(cloud_.lifetime[i].born);
       mix(cloud_.lifetime[i].gone);
     }
-    if (!cloud_.color.empty())
-      for (int k = 0; k < 3; ++k) mix(double{cloud_.color[i][k]});
-    if (!cloud_.opacity.empty()) mix(double{cloud_.opacity[i]});
+    if (looks_.empty() && !color_->empty())
+      for (int k = 0; k < 3; ++k) mix(double{(*color_)[i][k]});
+    if (looks_.empty() && !opacity_->empty()) mix(double{(*opacity_)[i]});
+    for (const LooksAt& looks : looks_)
+      for (const float channel : looks[i]) mix(double{channel});
     if (!cloud_.oriented.empty()) mix(double{cloud_.oriented[i] != 0 ? 1.0 : 0.0});
     return hash;
   }
@@ -96,12 +118,16 @@ class Content {
   const SurfelCloud& cloud_;
   bool spins_;
   std::vector<SurfelsAt> poses_;
+  std::vector<LooksAt> looks_;  ///< empty: these hold throughout
+  const PointArray<Eigen::Vector3f>* color_;
+  const PointArray<float>* opacity_;
 };
 
 /// Points along a space-filling curve; those in one cell of it by content.
-std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<PathWeights>& poses) {
+std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
+                                    const Exposure& exposure) {
   const SurfelsAt pose(cloud, poses.front());
-  const Content content(cloud, poses);
+  const Content content(cloud, poses, exposure);
   return content_order(
       cloud.size(), [&](std::size_t i) { return pose[i].position; },
       [&](std::uint32_t a, std::uint32_t b) { return content.less(a, b); });
@@ -148,19 +174,24 @@ void pack_poses(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
   }
 }
 
-void pack_colors(const SurfelCloud& cloud, PointPackets& packets) {
-  packets.colors.resize(4 * packets.count * packet_size);
+std::vector<float> packed_colors(const SurfelCloud& cloud, double frame, const PointPackets& packets) {
+  std::vector<float> colors(4 * packets.count * packet_size);
+  const LooksAt looks(cloud, frame);
   parallel_for_each_index(packets.count, [&](std::size_t p) {
-    for (int lane = 0; lane < packet_size; ++lane) {
-      const std::uint32_t i = packets.points[p * packet_size + static_cast<std::size_t>(lane)];
-      const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
-      float* to = packets.colors.data() + 4 * p * packet_size + lane;
-      for (int c = 0; c < 3; ++c)
-        to[c * packet_size] = opacity * (cloud.color.empty() ? 1.0f : cloud.color[i][c]);
-      to[3 * packet_size] = opacity;
+    for (std::size_t lane = 0; lane < packet_size; ++lane) {
+      const Eigen::Vector4f rgba = looks[packets.points[p * packet_size + lane]];
+      float* const to = colors.data() + 4 * p * packet_size + lane;
+      for (std::size_t c = 0; c < 4; ++c) to[c * packet_size] = rgba[static_cast<int>(c)];
     }
   });
-  packets.opaque = std::all_of(cloud.opacity.begin(), cloud.opacity.end(), [](float o) { return o == 1.0f; });
+  return colors;
+}
+
+void pack_colors(const SurfelCloud& cloud, const Exposure& exposure, PointPackets& packets) {
+  const auto [first, end] = looks_of(cloud, exposure);
+  if (first == end) packets.colors = packed_colors(cloud, exposure.open, packets);
+  for (std::size_t k = first; k < end; ++k)
+    packets.looks.push_back({cloud.looks[k].frame, packed_colors(cloud, cloud.looks[k].frame, packets)});
 }
 
 void pack_sides(const SurfelCloud& cloud, PointPackets& packets) {
@@ -179,7 +210,7 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
   packets.degree = path_degree(cloud);
   packets.spins = cloud.spins();
   const std::vector<PathWeights> poses = poses_of(cloud, packets.frames);
-  const std::vector<std::uint32_t> order = order_of(cloud, poses);
+  const std::vector<std::uint32_t> order = order_of(cloud, poses, exposure);
   packets.count = (cloud.size() + packet_size - 1) / packet_size;
   packets.points.resize(packets.count * packet_size);
   packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
@@ -189,14 +220,14 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
   if (const std::size_t rest = cloud.size() % packet_size; rest != 0)
     packets.lanes.back() = (1u << rest) - 1u;
   pack_poses(cloud, poses, packets);
-  pack_colors(cloud, packets);
+  pack_colors(cloud, exposure, packets);
   pack_sides(cloud, packets);
   return packets;
 }
 
 /// A number that depends on what an object is and not on the order of its points.
 std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure) {
-  const Content content(packets.object->cloud, poses_of(packets.object->cloud, packets.frames));
+  const Content content(packets.object->cloud, poses_of(packets.object->cloud, packets.frames), exposure);
   std::uint64_t sum = packets.object->two_sided ? 1 : 2;
   sum += reduced(
       packets.object->cloud.size(), std::uint64_t{0},
@@ -261,6 +292,19 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
   return found;
 }
 
+void PointPackets::color(std::size_t p, const ObjectInstant& instant, PlacedPacket& placed) const {
+  const auto packed = [&](const std::vector<float>& all) { return all.data() + 4 * p * packet_size; };
+  const float* const from = packed(looks.empty() ? colors : looks[instant.look.before].colors);
+  float* const to[4] = {placed.red, placed.green, placed.blue, placed.alpha};
+  for (std::size_t c = 0; c < 4; ++c) std::copy_n(from + c * packet_size, packet_size, to[c]);
+  if (!(instant.look.share > 0.0f)) return;
+  // As LooksAt has it.
+  const float* const after = packed(looks[instant.look.after].colors);
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t lane = 0; lane < packet_size; ++lane)
+      to[c][lane] += instant.look.share * (after[c * packet_size + lane] - to[c][lane]);
+}
+
 std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
   std::size_t bytes = 0;
   for (const Object& object : scene.objects) {
@@ -269,7 +313,9 @@ std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
     const std::size_t poses = stretches * path_degree(object.cloud) + 1;
     const std::size_t turning = object.cloud.keys.size() == 1 ? 1 : poses;
     const std::size_t packets = (object.cloud.size() + packet_size - 1) / packet_size;
-    const std::size_t a_lane = sizeof(float) * (3 * poses + 6 * turning + 4) + sizeof(std::uint32_t);
+    const auto [first_look, end_look] = looks_of(object.cloud, exposure);
+    const std::size_t looks = std::max<std::size_t>(1, end_look - first_look);
+    const std::size_t a_lane = sizeof(float) * (3 * poses + 6 * turning + 4 * looks) + sizeof(std::uint32_t);
     bytes += packets * (packet_size * a_lane + sizeof(Eigen::Vector3d) * poses + sizeof(float) +
                         sizeof(std::uint32_t) * (object.cloud.oriented.empty() ? 1 : 2));
   }

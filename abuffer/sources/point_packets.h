@@ -23,6 +23,12 @@ struct PacketScratch {
   float offset[3 * packet_size], axes[6 * packet_size];
 };
 
+/// What the points of packets look like at a frame.
+struct LookOfPackets {
+  double frame;
+  std::vector<float> colors;  ///< as PointPackets has them
+};
+
 /// Object space. From one of `frames` to the next points follow Bézier curves of one degree, of which the
 /// poses are the control points: pose j · degree + k is control point k of stretch j, and the last of one
 /// stretch is the first of the next.
@@ -35,19 +41,21 @@ struct PointPackets {
   std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
   std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
   std::vector<std::vector<float>> axes;               ///< by pose, or of all poses; 6 · 16 a packet
-  std::vector<float> colors;            ///< red, green, blue times opacity, opacity; 4 · 16 a packet
-  std::vector<float> radius;            ///< of the sphere about the origin that holds the discs
-  std::vector<std::uint32_t> lanes;     ///< that hold a point, a bit each
+  std::vector<float> colors;         ///< red, green, blue times opacity, opacity; 4 · 16 a packet
+  std::vector<LookOfPackets> looks;  ///< not empty: in place of `colors`, which change from one to the next
+  std::vector<float> radius;         ///< of the sphere about the origin that holds the discs
+  std::vector<std::uint32_t> lanes;  ///< that hold a point, a bit each
   std::vector<std::uint32_t> oriented;  ///< likewise, and whose front and back are told apart; empty: none
   std::vector<std::uint32_t> points;    ///< index of each lane in the object's cloud
-  bool opaque = true;
 
   /// Packet `p`. What is returned may lie in `scratch`.
   [[nodiscard]] PacketPoints at(std::size_t p, const ObjectInstant& instant, PacketScratch& scratch) const;
+  /// Puts its colours at an instant into `placed`.
+  void color(std::size_t p, const ObjectInstant& instant, PlacedPacket& placed) const;
 };
 
 /// Bytes that pack_points() keeps: 56 a point that stands still, 70 with a velocity, 36 for each further
-/// pose.
+/// pose, 16 for each look beyond the first.
 [[nodiscard]] std::size_t packed_bytes(const Scene& scene, const Exposure& exposure);
 
 /// Packs every object of `scene` over `exposure`, or those that stand still in it. The objects come in an

@@ -58,6 +58,19 @@ std::vector<Shade> shades_of(const KernelSet& set) {
   return shades;
 }
 
+std::vector<ShadeChange> changes_of(const KernelSet& set, const std::vector<Shade>& shades) {
+  std::vector<ShadeChange> changes;
+  if (std::none_of(set.kernels.begin(), set.kernels.end(),
+                   [](const MovingKernel& k) { return k.changes_color(); }))
+    return changes;
+  changes.reserve(shades.size());
+  for (std::size_t s = 0; s < shades.size(); ++s) {
+    const MovingKernel& k = set.kernels[s % set.kernels.size()];
+    changes.push_back({{k.color_rate[0], k.color_rate[1], k.color_rate[2], k.color_rate[3]}, k.t_mid()});
+  }
+  return changes;
+}
+
 void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t kernel, FragmentArrays& out) {
   const Ticks t_begin = ticks_of(f.t_begin), t_end = ticks_of(f.t_end);
   const float peak = static_cast<float>(f.peak);

@@ -32,6 +32,9 @@ struct RasterModel {
 /// Of each kernel, by its index; and if any is oriented, after them all again for their backs.
 [[nodiscard]] std::vector<Shade> shades_of(const KernelSet& set);
 
+/// Of each of these shades, how it changes; empty if none does.
+[[nodiscard]] std::vector<ShadeChange> changes_of(const KernelSet& set, const std::vector<Shade>& shades);
+
 /// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded
 /// to float. Not one that would last for no tick or weigh nothing, nor what is beyond the range of sums.
 /// There must be room: FragmentArrays::ensure().

@@ -132,7 +132,7 @@ class ChangesOf {
 
   [[nodiscard]] double px(std::size_t p) const {
     double most = 0.0;
-    if (cloud_.lifetime.empty() && !packets_.spins) return most;
+    if (cloud_.lifetime.empty() && !packets_.spins && packets_.looks.empty()) return most;
     for (std::size_t lane = 0; lane < packet_size; ++lane) {
       const std::uint32_t i = packets_.points[p * packet_size + lane];
       if (packets_.spins) {
@@ -140,6 +140,7 @@ class ChangesOf {
         most = std::max(most, std::min(1e4, rate * (of_row_.close - of_row_.open) *
                                                 double{packets_.radius[p]} * per_unit_));
       }
+      if (!packets_.looks.empty()) most = std::max(most, px_of_looks(p, lane));
       if (cloud_.lifetime.empty()) continue;
       const Lifetime& life = cloud_.lifetime[i];
       const auto during = [&](double frame) { return frame > all_.open && frame < all_.close; };
@@ -151,6 +152,18 @@ class ChangesOf {
   }
 
  private:
+  /// What changes evenly any number of instants has right; it is others that it shows by and by.
+  [[nodiscard]] double px_of_looks(std::size_t p, std::size_t lane) const {
+    const double of_one = packets_.looks.size() > 2 ? 32.0 : 4.0;
+    float most = 0.0f;
+    for (std::size_t k = 1; k < packets_.looks.size(); ++k)
+      for (std::size_t c = 0; c < 4; ++c) {
+        const std::size_t at = (4 * p + c) * packet_size + lane;
+        most = std::max(most, std::abs(packets_.looks[k].colors[at] - packets_.looks[k - 1].colors[at]));
+      }
+    return of_one * double{std::min(most, 1.0f)};
+  }
+
   const SurfelCloud& cloud_;
   const PointPackets& packets_;
   Exposure of_row_, all_;

@@ -23,6 +23,17 @@ struct Shade {
   Side side = Side::unknown;
 };
 
+/// How a Shade's colour changes over the exposure: evenly, `rate` per unit of τ. At `t_mid` it is the
+/// Shade's.
+struct ShadeChange {
+  float rate[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+  float t_mid = 0.0f;
+
+  [[nodiscard]] bool any() const {
+    return rate[0] != 0.0f || rate[1] != 0.0f || rate[2] != 0.0f || rate[3] != 0.0f;
+  }
+};
+
 /// Grows, never shrinks, and is reused from window to window: no allocation per fragment.
 struct FragmentArrays {
   std::vector<std::uint32_t> pixel;   ///< row-major index within the window

@@ -9,6 +9,7 @@
 #include "splat/io/cloud_keys.h"
 #include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
+#include "splat/io/sequence_looks.h"
 #include "splat/io/surfel_estimate.h"
 
 namespace swept {
@@ -268,6 +269,7 @@ Result<LoadedCloud> read_in_order(const CloudSource& source, const KeySpan& span
   Result<LoadedCloud> loaded = first_key(std::move(set), files[span.begin].frame, source);
   if (!loaded) return in_file(loaded.error(), files[span.begin].path);
   SurfelCloud& cloud = loaded->cloud;
+  std::vector<LookKey> looks{{files[span.begin].frame, {}, {}}};
   for (std::size_t k = span.begin + 1; k < span.end; ++k) {
     Result<PointSet> next = read_points(files[k].path, key_options(source));
     if (!next) return next.error();
@@ -278,12 +280,15 @@ Result<LoadedCloud> read_in_order(const CloudSource& source, const KeySpan& span
       return counts_differ("triangles", files[span.begin], triangles.size(), files[k], next->triangle.size());
     }
     compare_reports(next->report, files[k], loaded->report);
+    looks.push_back(
+        io::look_of(source, cloud, files[k].frame, std::move(next->color), std::move(next->opacity)));
     std::swap(next->triangle, triangles);
     Result<EstimatedSurfels> discs = discs_of(*next, source);
     std::swap(next->triangle, triangles);
     if (!discs) return in_file(discs.error(), files[k].path);
     push_key(*std::move(discs), files[k].frame, cloud);
   }
+  io::take_looks(std::move(looks), cloud);
   return loaded;
 }
 
@@ -325,9 +330,11 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span, d
   cloud.keys.clear();
   loaded.report.assumed.push_back("points of several files are the same by id");
   bool all_there = true, others_too = false;
+  std::vector<LookKey> looks;
   for (std::size_t k = span.begin; k < span.end; ++k) {
     if (k == span.nearest) {
       push_key(std::move(*nearest_discs), nearest.frame, cloud);
+      looks.push_back({nearest.frame, {}, {}});
       continue;
     }
     const Result<PointSet> other = read_points(files[k].path, key_options(source));
@@ -340,10 +347,13 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span, d
     others_too = others_too || matched->extra > 0;
     compare_reports(other->report, files[k], loaded.report);
     report_match(*matched, nearest, files[k], !reference->velocity.empty(), loaded.report);
+    looks.push_back(io::look_of(source, cloud, files[k].frame, std::move(matched->set.color),
+                                std::move(matched->set.opacity)));
     Result<EstimatedSurfels> discs = discs_of(matched->set, source);
     if (!discs) return in_file(discs.error(), files[k].path);
     push_key(*std::move(discs), files[k].frame, cloud);
   }
+  io::take_looks(std::move(looks), cloud);
   if (!all_there || others_too)
     if (Status lives = io::take_lives(source, span, from, to, loaded); !lives) return lives.error();
   if (all_there) {
@@ -419,6 +429,8 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
     }
     if (!loaded) return in_file(loaded.error(), files[from].path);
     if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
+    if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
+      loaded->report.assumed.push_back(std::move(changes));
     for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
     if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
     return loaded;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
@@ -50,6 +51,13 @@ Result<MatchedPoints> match_by_id(const PointSet& reference, const PointSet& oth
   matched.set.radius = gather(reference.radius, other.radius, from);
   matched.set.axis_u = gather(reference.axis_u, other.axis_u, from);
   matched.set.axis_v = gather(reference.axis_v, other.axis_v, from);
+  // Where the reference has none there is nothing to stand in for a point that is missing.
+  const auto look = [&](const auto& of_reference, const auto& of_other) {
+    return matched.missing > 0 && of_reference.empty() ? std::decay_t<decltype(of_other)>{}
+                                                       : gather(of_reference, of_other, from);
+  };
+  matched.set.color = look(reference.color, other.color);
+  matched.set.opacity = look(reference.opacity, other.opacity);
   matched.set.triangle = reference.triangle;
   matched.set.texture_corners = reference.texture_corners;
   for (std::size_t i = 0; i < from.size() && !reference.velocity.empty(); ++i) {

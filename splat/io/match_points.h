@@ -16,8 +16,9 @@ struct MatchedPoints {
 
 /// `other` in the order of `reference`; both have ids, each once. Where `other` lacks a point, it has the
 /// reference's, moved by `velocity_scale` times its velocity if there are velocities. Triangles are the
-/// reference's; colours, opacities and the like are left empty. Errors (file left empty): a point is
-/// missing and the files differ in which of normals, radii and axes they have.
+/// reference's; velocities and the like are left empty, and so are colours and opacities of which some would
+/// be missing. Errors (file left empty): a point is missing and the files differ in which of normals, radii
+/// and axes they have.
 [[nodiscard]] Result<MatchedPoints> match_by_id(const PointSet& reference, const PointSet& other,
                                                 double velocity_scale);
 

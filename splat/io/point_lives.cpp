@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "splat/io/cloud_keys.h"
+#include "splat/io/sequence_looks.h"
 
 namespace swept::io {
 namespace {
@@ -138,6 +139,20 @@ void add_looks(const std::vector<Run>& runs, const std::vector<File>& files, std
   }
 }
 
+/// What all runs look like at file `k`; a run that is not there, as in the nearest file that has it.
+LookKey look_at(const std::vector<Run>& runs, const std::vector<File>& files, std::size_t k,
+                const CloudSource& source, const SurfelCloud& cloud) {
+  std::vector<Eigen::Vector3f> color(cloud.color.begin(), cloud.color.end());
+  std::vector<float> opacity(cloud.opacity.begin(), cloud.opacity.end());
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::size_t at = runs[r].nearest_to(k), i = runs[r].index_in(at);
+    const PointSet& set = files[at].set;
+    if (!color.empty() && !set.color.empty()) color[r] = set.color[i];
+    if (!opacity.empty() && !set.opacity.empty()) opacity[r] = set.opacity[i];
+  }
+  return look_of(source, cloud, files[k].frame, std::move(color), std::move(opacity));
+}
+
 }  // namespace
 
 Status take_lives(const CloudSource& source, const KeySpan& span, double first, double last,
@@ -168,6 +183,9 @@ Status take_lives(const CloudSource& source, const KeySpan& span, double first, 
   cloud.keys.clear();
   for (std::size_t k = 0; k < files.size(); ++k)
     push_key(key_of(runs, files, k, velocity_scale(source)), files[k].frame, cloud);
+  std::vector<LookKey> looks;
+  for (std::size_t k = 0; k < files.size(); ++k) looks.push_back(look_at(runs, files, k, source, cloud));
+  take_looks(std::move(looks), cloud);
   cloud.lifetime = std::move(lives);
   std::vector<std::string>& assumed = loaded.report.assumed;
   std::erase_if(assumed, [](const std::string& line) { return line.ends_with(", and are left out"); });

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include <Eigen/Geometry>
 
 #include "splat/motion/cut.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 #include "splat/motion/segments.h"
 
 namespace swept {
@@ -27,12 +29,13 @@ std::uint64_t every_third_bit(std::uint64_t v) {
 
 bool content_less(const MovingKernel& a, const MovingKernel& b) {
   const auto content = [](const MovingKernel& k) {
-    return std::array<double, 27>{
-        k.center.x(),      k.center.y(),  k.center.z(), k.velocity.x(), k.velocity.y(), k.velocity.z(),
-        k.axis_u.x(),      k.axis_u.y(),  k.axis_u.z(), k.axis_v.x(),   k.axis_v.y(),   k.axis_v.z(),
-        k.facing.x(),      k.facing.y(),  k.facing.z(), k.t_begin,      k.t_end,        k.weight,
-        k.depth_tolerance, k.color.x(),   k.color.y(),  k.color.z(),    k.color.w(),    k.outside.x(),
-        k.outside.y(),     k.outside.z(), 0.0};
+    return std::array<double, 30>{
+        k.center.x(),   k.center.y(),     k.center.z(),     k.velocity.x(),    k.velocity.y(),
+        k.velocity.z(), k.axis_u.x(),     k.axis_u.y(),     k.axis_u.z(),      k.axis_v.x(),
+        k.axis_v.y(),   k.axis_v.z(),     k.facing.x(),     k.facing.y(),      k.facing.z(),
+        k.t_begin,      k.t_end,          k.weight,         k.depth_tolerance, k.color.x(),
+        k.color.y(),    k.color.z(),      k.color.w(),      k.outside.x(),     k.outside.y(),
+        k.outside.z(),  k.color_rate.x(), k.color_rate.y(), k.color_rate.z(),  k.color_rate.w()};
   };
   return content(a) < content(b);
 }
@@ -100,6 +103,8 @@ class Builder {
     out_.surfels += object.discs();
     if (object.discs() == 0) return;
     const Exposure all = exposure_.of_all_rows(scene_.film.height);
+    looks_change_ = looks_change(object.cloud, all.open, all.close);
+    looks_.emplace(object.cloud, all.middle());
     if (cuts_by_point(scene_, object, exposure_))
       add_by_point(object, all);
     else
@@ -136,6 +141,7 @@ class Builder {
     out_.most_segments = std::max(out_.most_segments, segments);
     std::vector<Instant> ends, middles;
     std::vector<SurfelsAt> at_ends, at_middles;
+    std::vector<LooksAt> look_ends, look_middles;
     std::vector<double> times;
     for (int s = 0; s <= segments; ++s) times.push_back(segment_time(exposure_, s, segments));
     for (const double time : times) ends.push_back(instant_at(scene_, object, exposure_, time));
@@ -144,6 +150,10 @@ class Builder {
     take_side(middles.front());
     for (const Instant& end : ends) at_ends.emplace_back(object.cloud, end.frame);
     for (const Instant& middle : middles) at_middles.emplace_back(object.cloud, middle.frame);
+    if (looks_change_) {
+      for (const Instant& end : ends) look_ends.emplace_back(object.cloud, end.frame);
+      for (const Instant& middle : middles) look_middles.emplace_back(object.cloud, middle.frame);
+    }
     const std::size_t count = object.cloud.size();
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
     std::vector<PathSegment> path(static_cast<std::size_t>(segments));
@@ -159,9 +169,14 @@ class Builder {
                    last,
                    middles[s].to_camera_direction(surfel.axis_u),
                    middles[s].to_camera_direction(surfel.axis_v)};
+        if (looks_change_) {
+          path[s].first_light = look_ends[s][i];
+          path[s].middle_light = look_middles[s][i];
+          path[s].last_light = look_ends[s + 1][i];
+        }
         first = last;
       }
-      if (still(path)) {
+      if (!looks_change_ && still(path)) {
         PathSegment whole = path.front();
         whole.end = 1.0;
         add_segment(object, i, whole, 1.0);
@@ -189,7 +204,19 @@ class Builder {
     if (life.gone < all.close) kernel.t_end = std::min(kernel.t_end, time(life.gone));
     if (!(kernel.t_begin < kernel.t_end)) return false;
     kernel.center += (kernel.t_mid() - before) * kernel.velocity;
+    kernel.color += static_cast<float>(kernel.t_mid() - before) * kernel.color_rate;
     return true;
+  }
+
+  /// Even in time between the ends, and right in the mean, as the path is.
+  void take_light(std::size_t i, const PathSegment& path, MovingKernel& kernel) const {
+    if (!looks_change_) {
+      kernel.color = (*looks_)[i];
+      return;
+    }
+    const Eigen::Vector4f chord = path.first_light + 0.5f * (path.last_light - path.first_light);
+    kernel.color = chord + (2.0f / 3.0f) * (path.middle_light - chord);
+    kernel.color_rate = (path.last_light - path.first_light) / (kernel.t_end - kernel.t_begin);
   }
 
   void add_segment(const Object& object, std::size_t i, const PathSegment& path, double per_segment) {
@@ -234,11 +261,8 @@ class Builder {
       if (!object.two_sided) kernel.facing = outside;
       if (oriented) kernel.outside = outside;
     }
+    take_light(i, path, kernel);
     if (!object.cloud.lifetime.empty() && !clip_to_lifetime(object.cloud.lifetime[i], kernel)) return;
-    const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[i];
-    kernel.color.head<3>() =
-        opacity * (object.cloud.color.empty() ? Eigen::Vector3f::Ones() : object.cloud.color[i]);
-    kernel.color.w() = opacity;
     if (kernel.still()) ++out_.still_kernels;
     const Eigen::Vector3d normal = axis_u.cross(axis_v);
     if (std::abs(normal.dot(kernel.center)) < 1e-3 * normal.norm() * kernel.center.norm())
@@ -251,7 +275,9 @@ class Builder {
   Exposure exposure_;
   KernelSet& out_;
   PixelFilter filter_;
-  double side_ = 1.0;  ///< −1: the object is mirrored
+  double side_ = 1.0;             ///< −1: the object is mirrored
+  bool looks_change_ = false;     ///< those of the object being added
+  std::optional<LooksAt> looks_;  ///< of it, in the middle of the exposure
 };
 
 }  // namespace

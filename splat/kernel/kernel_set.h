@@ -35,7 +35,8 @@ struct KernelSet {
 /// all of them, in the shutter time of the top row, so that times may lie outside [0, 1]. A segment has the
 /// mean velocity of its stretch of the path and, by Simpson's rule, its mean position: to first order a
 /// blurred image sees nothing else of it, and the chord between the path's ends misses the second. Axes,
-/// normal and pixel filter are those of its middle. `scene` must satisfy validate().
+/// normal and pixel filter are those of its middle. Colours and opacities that change do so evenly within it.
+/// `scene` must satisfy validate().
 [[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure);
 /// The same over the scene's own exposure.
 [[nodiscard]] inline KernelSet build_kernels(const Scene& scene) {

@@ -60,10 +60,13 @@ struct MovingKernel {
   float t_begin = 0.0f, t_end = 1.0f;
   float weight = 1.0f;           ///< of the filtered disc
   float depth_tolerance = 0.0f;  ///< ε, camera-space units
-  Eigen::Vector4f color;         ///< linear, premultiplied by opacity; w is the opacity
+  Eigen::Vector4f color;         ///< at t_mid(): linear, premultiplied by opacity; w is the opacity
+  Eigen::Vector4f color_rate = Eigen::Vector4f::Zero();  ///< per unit of τ
 
   [[nodiscard]] float t_mid() const { return 0.5f * (t_begin + t_end); }
+  /// It may change its colour for all that.
   [[nodiscard]] bool still() const { return velocity.isZero(0.0); }
+  [[nodiscard]] bool changes_color() const { return !color_rate.isZero(0.0f); }
 };
 
 }  // namespace swept

@@ -13,6 +13,8 @@ namespace {
 constexpr double most_turn = 0.5 * std::numbers::pi;
 constexpr double most_spans = 1024.0;
 constexpr double rims_per_path = 2.5;
+/// Of a colour, or of 1 if that is more: the chord's light is right in the mean, so that far less is seen.
+constexpr float light_tolerance = 0x1p-9f;
 
 /// Radians that the object, its discs and the camera turn by between two frames, or more.
 double turning(const Scene& scene, const Object& object, double spin, double first, double last) {
@@ -43,6 +45,7 @@ PathCutter::PathCutter(const Scene& scene, const Object& object, const Exposure&
       object_(object),
       exposure_(exposure),
       projection_(projection_of(scene.film, scene.camera.at(exposure.middle()))),
+      looks_change_(looks_change(object.cloud, exposure.open, exposure.close)),
       middle_(place(0.5)) {
   add_corners();
   looks_.resize(spans_.size() - 1);
@@ -52,6 +55,7 @@ void PathCutter::add_corners() {
   const SurfelCloud& cloud = object_.cloud;
   const double open = exposure_.open, close = exposure_.close;
   std::vector<double> frames = path_corners(cloud, open, close);
+  for (const double corner : look_corners(cloud, open, close)) frames.push_back(corner);
   frames.push_back(open);
   frames.push_back(close);
   const auto add_keys = [&](const auto& keys) {
@@ -80,7 +84,7 @@ void PathCutter::add_corners() {
 
 PathCutter::Place PathCutter::place(double time) const {
   const Instant instant = instant_at(scene_, object_, exposure_, time);
-  return {instant, SurfelsAt(object_.cloud, instant.frame)};
+  return {instant, SurfelsAt(object_.cloud, instant.frame), LooksAt(object_.cloud, instant.frame)};
 }
 
 const PathCutter::Place& PathCutter::at(std::size_t span, int index) {
@@ -96,8 +100,12 @@ const PathCutter::Place& PathCutter::at(std::size_t span, int index) {
 
 PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
   const SurfelInstant surfel = place.surfels[i];
-  return {place.instant.to_camera(surfel.position), place.instant.to_camera_direction(surfel.axis_u),
-          place.instant.to_camera_direction(surfel.axis_v)};
+  Seen seen{place.instant.to_camera(surfel.position),
+            place.instant.to_camera_direction(surfel.axis_u),
+            place.instant.to_camera_direction(surfel.axis_v),
+            {}};
+  if (looks_change_) seen.light = place.looks[i];
+  return seen;
 }
 
 /// Pixels per unit of camera space; 0 where nothing is seen, give or take a frame.
@@ -112,6 +120,12 @@ double PathCutter::visible_scale(const Eigen::Vector3d& center) const {
 // What is not a number is cut no further.
 bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const {
   const Eigen::Vector3d chord = first.center + share * (last.center - first.center);
+  if (looks_change_) {
+    const Eigen::Vector4f light = first.light + static_cast<float>(share) * (last.light - first.light);
+    if ((light - truth.light).cwiseAbs().maxCoeff() >
+        light_tolerance * std::max(1.0f, truth.light.cwiseAbs().maxCoeff()))
+      return false;
+  }
   return !((chord - truth.center).norm() * visible_scale(truth.center) > tolerance_px_);
 }
 
@@ -131,7 +145,8 @@ bool PathCutter::is_one_segment(std::size_t i) {
       const Seen truth = see(i, at(span, quarter << (finest - 2)));
       if (!near_chord(first, truth, last, time) || !near_middle(truth, middle)) return false;
     }
-  segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v});
+  segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v,
+                       first.light, middle.light, last.light});
   return true;
 }
 
@@ -153,8 +168,8 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
     if (index == 1 << finest) return spans_[span + 1];  // the very number that the next span begins with
     return spans_[span] + static_cast<double>(index) / (1 << finest) * (spans_[span + 1] - spans_[span]);
   };
-  segments_.push_back(
-      {time(begin), time(end), first.center, middle.center, last.center, middle.axis_u, middle.axis_v});
+  segments_.push_back({time(begin), time(end), first.center, middle.center, last.center, middle.axis_u,
+                       middle.axis_v, first.light, middle.light, last.light});
 }
 
 const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_px) {
@@ -169,8 +184,10 @@ const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_
 bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exposure) {
   if (stands_still(scene, object, exposure) || object.discs() == 0) return false;
   if (exposure.row_delay != 0.0) return true;
+  // Segments that are all alike would miss the corners of looks.
   return object.segments == 0 && scene.model.segments == 0 &&
-         (object.cloud.curved() || scene.motion.tolerance_px > 0.0);
+         (object.cloud.curved() || scene.motion.tolerance_px > 0.0 ||
+          looks_change(object.cloud, exposure.open, exposure.close));
 }
 
 double path_tolerance_px(const Scene& scene) {

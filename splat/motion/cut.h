@@ -9,6 +9,7 @@
 
 #include "splat/export.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 
 namespace SWEPT_API swept {
 
@@ -17,6 +18,8 @@ struct PathSegment {
   double begin = 0.0, end = 1.0;
   Eigen::Vector3d first, middle, last;  ///< centres
   Eigen::Vector3d axis_u, axis_v;       ///< in the middle
+  /// Premultiplied; where looks_change() over the exposure, else not set.
+  Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
 };
 
 /// Cuts the points of one object. Not for several threads at once.
@@ -28,6 +31,7 @@ class PathCutter {
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
   /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 2.5 times
   /// that from where it is in the middle; else halves of it, down to 256 between two corners of the path.
+  /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord.
   /// Valid until the next call.
   const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
 
@@ -35,9 +39,11 @@ class PathCutter {
   struct Place {
     Instant instant;
     SurfelsAt surfels;
+    LooksAt looks;
   };
   struct Seen {
     Eigen::Vector3d center, axis_u, axis_v;
+    Eigen::Vector4f light;  ///< where looks change
   };
   static constexpr int finest = 10;  ///< halvings of a span at which paths are looked at
   static constexpr int most_halvings = 8;
@@ -56,6 +62,7 @@ class PathCutter {
   const Object& object_;
   Exposure exposure_;
   Projection projection_;
+  bool looks_change_;
   double tolerance_px_ = 0.1;
   std::vector<double> spans_;                               ///< 0, corners, 1
   std::vector<std::vector<std::unique_ptr<Place>>> looks_;  ///< by span, at 2¹⁰ + 1 times, where asked for

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/export.h"
+#include "splat/motion/look.h"
 #include "splat/scene.h"
 
 namespace SWEPT_API swept {
@@ -35,12 +36,13 @@ struct Instant {
   return {frame, object.transform.at(frame), lens.isIdentity(0.0) ? rotation : lens * rotation, camera.eye};
 }
 
-/// Whether object, points and camera keep their bits over the whole exposure, of all rows.
+/// Whether object, points, their colours and the camera keep their bits over the whole exposure, of all rows.
 [[nodiscard]] inline bool stands_still(const Scene& scene, const Object& object, const Exposure& exposure) {
   const Exposure all = exposure.of_all_rows(scene.film.height);
-  return all.instant() || (!object.cloud.moves() && !object.splats.moves() &&
-                           object.transform.constant_over(all.open, all.close) &&
-                           scene.camera.constant_over(all.open, all.close));
+  return all.instant() ||
+         (!object.cloud.moves() && !looks_change(object.cloud, all.open, all.close) && !object.splats.moves() &&
+          object.transform.constant_over(all.open, all.close) &&
+          scene.camera.constant_over(all.open, all.close));
 }
 
 }  // namespace swept

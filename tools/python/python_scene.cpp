@@ -222,6 +222,10 @@ std::size_t PythonScene::views() const {
     look(object.cloud.velocity);
     look(object.cloud.color);
     look(object.cloud.opacity);
+    for (const LookKey& of_frame : object.cloud.looks) {
+      look(of_frame.color);
+      look(of_frame.opacity);
+    }
     look(object.splats.position);
     look(object.splats.scale);
     look(object.splats.opacity);

@@ -107,6 +107,10 @@ Scene for_warming_up(const Scene& scene) {
     cut(cloud.color);
     cut(cloud.oriented);
     cut(cloud.opacity);
+    for (LookKey& look : cloud.looks) {
+      cut(look.color);
+      cut(look.opacity);
+    }
     std::erase_if(object.triangles, [](const Triangle& t) {
       return std::any_of(t.begin(), t.end(), [](std::uint32_t corner) { return corner >= points; });
     });
