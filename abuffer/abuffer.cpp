@@ -244,6 +244,7 @@ Status check_meshes(const Scene& scene, const AbufferOptions& options) {
                    "is made of discs, which the A-buffer does not draw together with triangles; --method "
                    "sampled does",
                    ErrorKind::unsupported};
+  if (Status status = refuse_looks(scene, "the A-buffer on triangles"); !status) return status;
   if (options.normalisation != Normalisation::interval)
     return Error{"", "normalisation",
                  "of the whole pixel is for discs; a scene of triangles has that of the interval",
@@ -363,7 +364,8 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
   if (Status status = check_meshes(scene, options); !status) return status.error();
   if (Status status = refuse_textures(scene, "the A-buffer"); !status) return status.error();
   if (options.deep)
-    if (Status status = refuse_triangles(scene, "the A-buffer in a deep image"); !status) return status.error();
+    if (Status status = refuse_triangles(scene, "the A-buffer in a deep image"); !status)
+      return status.error();
   if (options.deep && scene.shutter.row_delay != 0.0 && scene.exposure().instant())
     return Error{"", "deep", "goes with a row delay only where the shutter is open for some time",
                  ErrorKind::unsupported};

@@ -225,6 +225,7 @@ Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& 
                                    const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the stochastic method"); !status) return status.error();
   if (Status status = refuse_textures(scene, "the stochastic method"); !status) return status.error();
+  if (Status status = refuse_looks(scene, "the stochastic method"); !status) return status.error();
   if (Status status = refuse_row_delay(scene, "the stochastic method"); !status) return status.error();
   return render_valid(scene, options, control, render_checked);
 }

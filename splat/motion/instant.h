@@ -39,10 +39,9 @@ struct Instant {
 /// Whether object, points, their colours and the camera keep their bits over the whole exposure, of all rows.
 [[nodiscard]] inline bool stands_still(const Scene& scene, const Object& object, const Exposure& exposure) {
   const Exposure all = exposure.of_all_rows(scene.film.height);
-  return all.instant() ||
-         (!object.cloud.moves() && !looks_change(object.cloud, all.open, all.close) && !object.splats.moves() &&
-          object.transform.constant_over(all.open, all.close) &&
-          scene.camera.constant_over(all.open, all.close));
+  return all.instant() || (!object.cloud.moves() && !looks_change(object.cloud, all.open, all.close) &&
+                           !object.splats.moves() && object.transform.constant_over(all.open, all.close) &&
+                           scene.camera.constant_over(all.open, all.close));
 }
 
 }  // namespace swept
