@@ -29,7 +29,11 @@ struct AbufferOptions {
 ///
 /// A lens takes a copy of the scene, and a sweep for each of its points.
 ///
-/// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
+/// A scene of meshes is swept place by place (model section 15), over bins of all triangles in all stretches
+/// of their paths. tile_fragments bounds what a thread holds of intervals; `simd` changes nothing.
+///
+/// Errors: options, control or scene out of range, triangles together with discs or with
+/// Normalisation::pixel, not enough memory, and a render that was stopped.
 /// control.max_bytes is not looked at: tile_fragments is what bounds memory beside the kernels.
 [[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},
                                               const RenderControl& control = {});

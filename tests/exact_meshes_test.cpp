@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <random>
 #include <stop_token>
@@ -14,7 +16,9 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/sampled.h"
+#include "abuffer/sources/triangle_stretch.h"
 #include "tests/counter.h"
+#include "tests/scene_text.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
@@ -395,6 +399,107 @@ TEST(ExactMeshes, StopSoon) {
   EXPECT_EQ(result.error().kind, ErrorKind::cancelled);
   // 100 ms on a machine of its own.
   EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), 1.0);
+}
+
+/// Rönnow et al. 2021, section 4.1: over time an edge whose ends move straight is a bilinear patch, and a
+/// moving triangle a prism of three of them. Where the ray meets a patch the triangle comes or goes.
+std::vector<std::pair<double, double>> prism(const Eigen::Vector3d (&from)[3], const Eigen::Vector3d (&to)[3],
+                                             const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d side = ray.unitOrthogonal(), up = ray.cross(side);
+  const auto seen = [&](const Eigen::Vector3d& p) { return Eigen::Vector2d(side.dot(p), up.dot(p)); };
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  std::vector<double> hits;
+  for (std::size_t i = 0; i < 3; ++i) {
+    // p(t) + u (q(t) − p(t)) is on the ray: seen along it, at the origin.
+    const std::size_t j = (i + 1) % 3;
+    const Eigen::Vector2d p = seen(from[i]), dp = seen(to[i] - from[i]), e = seen(from[j] - from[i]),
+                          de = seen(to[j] - to[i]) - e;
+    const double a = cross(dp, de), b = cross(p, de) + cross(dp, e), c = cross(p, e),
+                 root = std::sqrt(b * b - 4 * a * c);
+    if (!(root >= 0.0)) continue;
+    const double q = -0.5 * (b + std::copysign(root, b));
+    for (const double t : {q / a, c / q}) {
+      if (!(t > 0.0 && t < 1.0)) continue;
+      const Eigen::Vector2d edge = e + t * de;
+      const double u = -(p + t * dp).dot(edge) / edge.squaredNorm();
+      if (u >= 0.0 && u <= 1.0) hits.push_back(t);
+    }
+  }
+  std::sort(hits.begin(), hits.end());
+  // The cap that the prism begins with.
+  const Eigen::Vector2d a = seen(from[0]), b = seen(from[1]), c = seen(from[2]);
+  const bool inside = (cross(a, b) > 0) == (cross(b, c) > 0) && (cross(b, c) > 0) == (cross(c, a) > 0);
+  if (inside) hits.insert(hits.begin(), 0.0);
+  if (hits.size() % 2 == 1) hits.push_back(1.0);
+  std::vector<std::pair<double, double>> intervals;
+  for (std::size_t i = 0; i + 1 < hits.size(); i += 2) intervals.emplace_back(hits[i], hits[i + 1]);
+  return intervals;
+}
+
+TEST(ExactMeshes, HaveTheIntervalsOfPrisms) {
+  std::mt19937_64 random(3);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 18446744073709551616.0);
+  };
+  Scene scene = stage();
+  std::size_t met = 0, twice = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Object object;
+    Eigen::Vector3d from[3], to[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      from[k] = {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(2.0, 4.0)};
+      add_point(object, from[k], {1, 1, 1});
+      object.cloud.velocity.emplace_back(static_cast<float>(uniform(-1.0, 1.0)),
+                                         static_cast<float>(uniform(-1.0, 1.0)),
+                                         static_cast<float>(uniform(-1.0, 1.0)));
+      to[k] = from[k] + object.cloud.velocity.back().cast<double>();
+    }
+    object.triangles = {{0, 1, 2}};
+    scene.objects = {object};
+    const Result<MovingMesh> mesh = MovingMesh::follow(scene, scene.objects[0], scene.exposure(), 0.01, {});
+    ASSERT_TRUE(mesh.ok());
+    const Eigen::Vector3d ray(uniform(-0.2, 0.2), uniform(-0.2, 0.2), 1.0);
+    std::vector<PlaceInterval> found;
+    TriangleStretch(*mesh, 0, 0, 0, scene.camera.near).meet(ray, 0.0, 1.0, 0, 0, found);
+    const auto expected = prism(from, to, ray);
+    // Edge-on for an instant the triangle shows its other side: one interval of a prism is two that touch.
+    std::vector<std::pair<double, double>> joined;
+    for (const PlaceInterval& interval : found)
+      if (!joined.empty() && interval.begin - joined.back().second < 1e-9)
+        joined.back().second = interval.end;
+      else
+        joined.emplace_back(interval.begin, interval.end);
+    ASSERT_EQ(joined.size(), expected.size()) << i;
+    for (std::size_t k = 0; k < joined.size(); ++k) {
+      ASSERT_NEAR(joined[k].first, expected[k].first, 1e-9);
+      ASSERT_NEAR(joined[k].second, expected[k].second, 1e-9);
+    }
+    met += expected.empty() ? 0 : 1;
+    twice += expected.size() > 1 ? 1 : 0;
+  }
+  EXPECT_GT(met, 3000u);
+  EXPECT_GT(twice, 20u);
+}
+
+class ExactMeshFiles : public test::SceneFiles {};
+
+/// Half a gait of a horse, in a frame, with 16,843 triangles.
+TEST_F(ExactMeshFiles, AreARealHorse) {
+  const char* data = std::getenv("SWEPT_DATA_DIR");
+  if (data == nullptr) GTEST_SKIP() << "SWEPT_DATA_DIR is unset";
+  Result<SceneFile> file = read_scene_file(write(
+      R"({"swept": 1, "film": {"width": 64, "height": 48}, "shutter": {"open": 0, "close": 1}, "camera": {"fov":)"
+      R"({"axis": "vertical", "degrees": 40}, "keys": [{"eye": [3.2, 0.7, -0.3], "target": [0, 0.7, -0.3],)"
+      R"("up": [0, 1, 0]}]}, "objects": [{"source": {"sequence": ")" +
+      std::filesystem::absolute(data).string() +
+      R"(/horse/%04d.obj", "first": 1, "last": 12, "cycle": true},)"
+      R"("draw": "triangles"}]})"));
+  ASSERT_TRUE(file.ok()) << file.error().message();
+  const auto loaded = file->scene_at(3.0, test::dots);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_GT(psnr_db(exact(**loaded).image, stills(**loaded, 1024)), 70.0);
 }
 
 }  // namespace
