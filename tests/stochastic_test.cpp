@@ -92,6 +92,9 @@ std::vector<StochasticOptions> all_traversals(int samples, int times) {
   for (const int intervals : {1, 4, 7, 64})
     all.push_back(
         {.samples = samples, .times = times, .traversal = Traversal::interval, .intervals = intervals});
+  if (hierarchy_available())
+    for (const int px : {1, 4})
+      all.push_back({.samples = samples, .times = times, .traversal = Traversal::hierarchy, .tile_px = px});
   if (times > 0) all.push_back({.samples = samples, .times = times, .traversal = Traversal::interleave});
   return all;
 }
@@ -295,6 +298,14 @@ TEST(Stochastic, CountsWhatItTests) {
   };
   EXPECT_LT(tested(1, CurveBounds::slefes), tested(4, CurveBounds::slefes));
   EXPECT_LT(tested(1, CurveBounds::slefes), tested(1, CurveBounds::hulls));
+}
+
+TEST(Stochastic, SaysThatABuildLacksTheHierarchy) {
+  const auto result = render_stochastic(test::stage(), {.samples = 1, .traversal = Traversal::hierarchy});
+  EXPECT_EQ(result.ok(), hierarchy_available());
+  if (hierarchy_available()) return;
+  EXPECT_EQ(result.error().kind, ErrorKind::unsupported);
+  EXPECT_NE(result.error().message().find("SWEPT_HIERARCHY"), std::string::npos);
 }
 
 TEST(Stochastic, RefusesWhatItDoesNotDraw) {

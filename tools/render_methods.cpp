@@ -119,13 +119,15 @@ Result<PreparedMethod> prepare_stochastic(const MethodArguments& arguments, cons
   } else if (traversal.starts_with("interval")) {
     options.traversal = Traversal::interval;
     options.intervals = number;
+  } else if (traversal == "hierarchy") {
+    options.traversal = Traversal::hierarchy;
   } else {
     options.traversal = Traversal::interleave;
   }
   const bool hulls = arguments.text("--tile-bounds", "slefes") == "hulls";
   options.bounds = hulls ? CurveBounds::hulls : CurveBounds::slefes;
   if (const Status valid = options.validate(); !valid)
-    return Error{"", "--samples", valid.error().reason, valid.error().kind};
+    return Error{"", "--" + valid.error().field, valid.error().reason, valid.error().kind};
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_stochastic(scene, options, within);
@@ -268,9 +270,10 @@ const std::vector<MethodOption>& method_options() {
        .kind = Kind::word,
        .help =
            "How samples are found that moving things may cover: by tiles of so many pixels, by parts of the "
-           "exposure, or 256 instants that samples share, which alone is another image [tile-4]",
+           "exposure, by a hierarchy of moving boxes, or at 256 instants that samples share, which alone is "
+           "another image [tile-4]",
        .words = {"tile-1", "tile-2", "tile-4", "tile-8", "interval-4", "interval-16", "interval-64",
-                 "interleave"}},
+                 "hierarchy", "interleave"}},
       {.name = "--tile-bounds",
        .kind = Kind::word,
        .help = "What encloses moving edges in tiles; changes no bit [slefes]",

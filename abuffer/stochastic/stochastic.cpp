@@ -4,18 +4,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "abuffer/hierarchy/traverse_hierarchy.h"
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
-#include "abuffer/stochastic/mesh_paths.h"
-#include "abuffer/stochastic/moving_disc.h"
-#include "abuffer/stochastic/moving_triangle.h"
+#include "abuffer/stochastic/primitives.h"
 #include "abuffer/stochastic/traverse.h"
-#include "splat/kernel/kernel_set.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 
@@ -30,55 +28,15 @@ constexpr int block_px = 16;
 /// What interleave takes where nothing is said; Gribel et al. 2013, section 6.1.
 constexpr int chosen_times = 256;
 
-/// Discs and triangles of a scene, in one row: discs first.
-class Primitives {
- public:
-  Primitives(const Scene& scene, const Exposure& exposure, const FilmView& view)
-      : view_(view), delta_(scene.model.delta) {
-    if (std::any_of(scene.objects.begin(), scene.objects.end(),
-                    [](const Object& o) { return o.discs() > 0; }))
-      kernels_ = build_kernels(scene, exposure);
-    begins_.push_back(kernels_.kernels.size());
-    for (const Object& object : scene.objects) {
-      if (object.triangles.empty()) continue;
-      meshes_.push_back(std::make_unique<MeshPaths>(scene, object, exposure));
-      begins_.push_back(begins_.back() + object.triangles.size());
-    }
-  }
-
-  [[nodiscard]] std::size_t size() const { return begins_.back(); }
-  [[nodiscard]] std::size_t triangles() const { return size() - begins_.front(); }
-
-  /// visit(primitive), which is a disc or a triangle.
-  template <class Visit>
-  void with(std::size_t i, const Visit& visit) const {
-    if (i < begins_.front()) {
-      MovingDisc disc(kernels_.kernels[i], delta_, view_);
-      if (disc.exists()) visit(disc);
-      return;
-    }
-    std::size_t mesh = 0;
-    while (i >= begins_[mesh + 1]) ++mesh;
-    MovingTriangle triangle(*meshes_[mesh], static_cast<std::uint32_t>(i - begins_[mesh]), view_);
-    visit(triangle);
-  }
-
- private:
-  const FilmView& view_;
-  double delta_;
-  KernelSet kernels_;
-  std::vector<std::unique_ptr<MeshPaths>> meshes_;
-  std::vector<std::size_t> begins_;
-};
-
 /// Which primitives may be seen in each block at any time.
 class Bins {
  public:
-  Bins(const Primitives& primitives, const PixelRange& window)
+  /// Null: none in any.
+  Bins(const Primitives* primitives, const PixelRange& window)
       : window_(window), columns_(blocks(window.x1 - window.x0)), rows_(blocks(window.y1 - window.y0)) {
-    std::vector<PixelRange> ranges(primitives.size());
+    std::vector<PixelRange> ranges(primitives != nullptr ? primitives->size() : 0);
     parallel_for_each_index(ranges.size(), [&](std::size_t i) {
-      primitives.with(i, [&](const auto& primitive) { ranges[i] = primitive.pixels({0.0, 1.0}, window); });
+      primitives->with(i, [&](const auto& primitive) { ranges[i] = primitive.pixels({0.0, 1.0}, window); });
     });
     starts_.assign(size() + 1, 0);
     const auto for_each_block = [&](const auto& visit) {
@@ -171,9 +129,12 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   Statistics& statistics = out.statistics;
   statistics.time("paths", watch.lap());
   out.image = blank_image(scene.film);
-  const Bins bins(primitives,
+  const bool by_hierarchy = options.traversal == Traversal::hierarchy;
+  std::optional<hierarchy::HierarchyTraversal> trees;
+  if (by_hierarchy) trees.emplace(primitives);
+  const Bins bins(by_hierarchy ? nullptr : &primitives,
                   {out.image.x, out.image.y, out.image.x + out.image.width, out.image.y + out.image.height});
-  statistics.time("bins", watch.lap());
+  statistics.time(by_hierarchy ? "hierarchy" : "bins", watch.lap());
 
   PerThread<Block> blocks;
   ProgressOf progress(control, bins.size());
@@ -182,6 +143,7 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
     if (block.share_cuts.empty()) cut_exposure(source, options.intervals, block);
     source.fill(bins.window(b), block.samples);
     block.hits.start(block.samples.x.size());
+    if (trees) trees->run(options.tile_px, block);
     bins.for_each(b, [&](std::size_t i) {
       primitives.with(i, [&](auto& primitive) { traverse(primitive, options, source, block); });
     });
@@ -197,7 +159,7 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
     counts.bounds += block.counts.bounds;
   }
   statistics.count("samples", options.samples);
-  statistics.count("primitives", static_cast<double>(bins.seen()));
+  statistics.count("primitives", static_cast<double>(by_hierarchy ? primitives.size() : bins.seen()));
   statistics.count("samples_tested", static_cast<double>(counts.tested));
   statistics.count("samples_inside", static_cast<double>(counts.inside));
   statistics.count(
@@ -218,6 +180,9 @@ Status StochasticOptions::validate() const {
   if (tile_px != 1 && tile_px != 2 && tile_px != 4 && tile_px != 8 && tile_px != 16)
     return Error{"", "tile_px", "must be 1, 2, 4, 8 or 16"};
   if (intervals < 1 || intervals > 1024) return Error{"", "intervals", "must be in [1, 1024]"};
+  if (traversal == Traversal::hierarchy && !hierarchy_available())
+    return Error{"", "traversal", "this build leaves the hierarchy of moving boxes out (SWEPT_HIERARCHY)",
+                 ErrorKind::unsupported};
   return Done{};
 }
 

@@ -12,10 +12,15 @@ namespace SWEPT_API swept {
 
 /// How the samples are found that a moving primitive may cover (Gribel et al. 2013, section 4).
 enum class Traversal {
-  tile,       ///< per tile of the film, the time in which the primitive may overlap it
-  interval,   ///< per part of the exposure, the box of the film in which the primitive stays
-  interleave  ///< samples share a fixed number of times, and each of these is rasterised by itself
+  tile,        ///< per tile of the film, the time in which the primitive may overlap it
+  interval,    ///< per part of the exposure, the box of the film in which the primitive stays
+  interleave,  ///< samples share a fixed number of times, and each of these is rasterised by itself
+  hierarchy    ///< of moving boxes (US 8791945): per tile a time, and rays from the node that has all it may
+               ///< see
 };
+
+/// Whether this build has the hierarchy of moving boxes (SWEPT_HIERARCHY).
+[[nodiscard]] bool hierarchy_available();
 
 /// What encloses Bézier curves in tile tests: subdividable linear efficient function enclosures (Lutterkort
 /// and Peters 1999), or the convex hulls of control points.

@@ -60,6 +60,9 @@ std::vector<TraversalSetting> traversal_settings(int samples) {
     settings.push_back({fmt::format("interval-{}", parts),
                         fmt::format("INTERVAL {}", parts),
                         {.samples = samples, .traversal = Traversal::interval, .intervals = parts}});
+  if (hierarchy_available())
+    settings.push_back(
+        {"hierarchy", "Hierarchy 4×4", {.samples = samples, .traversal = Traversal::hierarchy}});
   settings.push_back({"interleave",
                       "INTERLEAVE 256",
                       {.samples = samples, .times = 256, .traversal = Traversal::interleave}});
