@@ -65,6 +65,25 @@ TEST(SplatForecast, FastSplatsThatChangeTheirOrderAreForeseen) {
   }
 }
 
+TEST(SplatForecast, WhoPassesTheNearPlaneIsForeseen) {
+  // Into the splats, past a bright one that covers the film until it is gone, sooner or later.
+  for (const double ahead : {0.6, 0.71}) {
+    Scene scene = test::random_splats(300, 330, 0.2f);
+    scene.objects[0].splats.velocity.clear();
+    LookAtKey to = scene.camera.look_ats[0];
+    to.frame = 1.0;
+    to.eye.z() += 1.0, to.target.z() += 1.0;
+    scene.camera.look_ats.push_back(to);
+    Object near = test::one_splat({0.02, 0.01, ahead}, 0.5f, 0.6f, 0.9f).objects[0];
+    scene.objects.push_back(near);
+    const Image truth = rendered(scene, 900).image;
+    const Rendered chosen = rendered(scene, 0);
+    EXPECT_GE(test::psnr_db(chosen.image, truth), 60.0)
+        << ahead << ", " << test::counter(chosen, "instants_per_pixel") << ", expected "
+        << test::counter(chosen, "expected_psnr_db");
+  }
+}
+
 TEST(SplatForecast, TheStillIsOneOfTheInstants) {
   // What is foreseen to be enough and is: as many instants as N stills have, and their mean.
   const Scene scene = passing(320, 0.4f, 3.0);

@@ -6,6 +6,9 @@
 // passes them sideways, goes around them and toward them, and splats fly apart. Times are CPU seconds of the
 // process, all threads together. With --reference the judge is the slow one in double, of stills too: 1,024
 // instants at 128 × 128 take minutes a row.
+//
+//        swept_splat_benchmark --random N [--max-error 60] [--threads N] [--truth N]
+// N scenes that nobody chose, and what they take beside the cheapest number of instants for the whole film.
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -19,6 +22,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 
 #include "abuffer/reference/splat_reference.h"
 #include "abuffer/sampled.h"
@@ -27,6 +31,7 @@
 #include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
 #include "tools/cpu_seconds.h"
+#include "tools/random_splats.h"
 
 namespace swept {
 namespace {
@@ -36,6 +41,7 @@ struct Arguments {
   double max_error_db = 60.0;
   int truth = 256;
   bool reference = false;
+  int random = 0;
   RenderControl control;
   SceneOverrides overrides;
 };
@@ -171,7 +177,46 @@ Status judged_row(const std::string& name, const Scene& scene, const Arguments& 
   return Done{};
 }
 
+Status run_random(const Arguments& arguments) {
+  SampledOptions asked;
+  asked.max_error_db = arguments.max_error_db;
+  fmt::print(
+      "| scene | splats | to {} dB: reached, dB | expected | instants a pixel | cheapest for all | time |\n"
+      "|---|---|---|---|---|---|---|\n",
+      arguments.max_error_db);
+  double instants_log = 0.0, time_log = 0.0;
+  int met = 0;
+  for (int seed = 1; seed <= arguments.random; ++seed) {
+    const Scene scene = random_splat_scene(static_cast<unsigned>(seed));
+    const Result<Timed> chosen = timed(scene, asked, arguments.control);
+    if (!chosen) return chosen.error();
+    const Result<Rendered> truth = render_sampled(scene, samples(arguments.truth), arguments.control);
+    if (!truth) return truth.error();
+    const Result<int> least = cheapest(scene, truth->image, arguments);
+    if (!least) return least.error();
+    const Result<Timed> best = timed(scene, samples(*least), arguments.control);
+    if (!best) return best.error();
+    const auto counter = [&](const char* what) {
+      return chosen->rendered.statistics.counter(what).value_or(0.0);
+    };
+    const double reached = psnr_of(chosen->rendered.image, truth->image),
+                 instants = counter("instants_per_pixel"), ratio = chosen->seconds / best->seconds;
+    met += reached >= arguments.max_error_db ? 1 : 0;
+    instants_log += std::log(instants / *least), time_log += std::log(ratio);
+    fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.1f} | {} | {:.2f} |\n", seed, scene.objects[0].splats.size(),
+               reached, counter("expected_psnr_db"), instants, *least, ratio);
+    std::fflush(stdout);
+  }
+  fmt::print(
+      "\nmet by {} of {}; in the geometric mean {:.2f} times the cheapest number's instants, {:.2f} times "
+      "its time\n",
+      met, arguments.random, std::exp(instants_log / arguments.random),
+      std::exp(time_log / arguments.random));
+  return Done{};
+}
+
 Status run(const Arguments& arguments) {
+  if (arguments.random > 0) return run_random(arguments);
   Result<SceneFile> file = read_scene_or_points(arguments.file, arguments.overrides);
   if (!file) return file.error();
   const Result<const Scene*> scene = file->scene_at(file->scene().frame, generate);
@@ -227,7 +272,11 @@ int main(int argc, char** argv) {
   arguments.overrides.fields["/film/width"] = {256.0};
   arguments.overrides.fields["/film/height"] = {256.0};
   CLI::App app("Times pictures of Gaussian splats");
-  app.add_option("file", arguments.file, "Splats or a scene")->required();
+  auto* const file = app.add_option("file", arguments.file, "Splats or a scene");
+  auto* const random =
+      app.add_option("--random", arguments.random, "So many scenes that nobody chose instead")
+          ->check(CLI::Range(1, 1000));
+  file->excludes(random);
   app.add_option_function<std::pair<double, double>>(
       "--size",
       [&](const std::pair<double, double>& size) {
@@ -241,6 +290,10 @@ int main(int argc, char** argv) {
                "Compare stills and blurred frames with the slow reference in double");
   app.add_option("--truth", arguments.truth, "Instants that others are compared with");
   CLI11_PARSE(app, argc, argv);
+  if (arguments.file.empty() && arguments.random == 0) {
+    fmt::print(stderr, "swept_splat_benchmark: FILE or --random N is needed\n");
+    return 2;
+  }
   if (const swept::Status status = swept::run(arguments); !status) {
     fmt::print(stderr, "swept_splat_benchmark: {}\n", status.error().message());
     return 1;

@@ -65,9 +65,8 @@ struct CellWork {
   /// Whether the i-th instant of this round is in the sums already.
   [[nodiscard]] bool has(int i) const { return has_middle && doublings == 0 && 2 * i + 1 == count; }
 
-  /// Estimates the error of the instants so far. `safety`: how much less than asked for is allowed, in
-  /// squares.
-  void judge(double safety) {
+  /// Estimates the error of the instants so far. `near_jumps`: as FilmMotion has them of this cell.
+  void judge(double near_jumps) {
     const SampledCell::Squares squares = sums->squares(cell);
     if (estimate == nullptr)
       estimate = std::make_unique<ErrorEstimate>(squares, count, ErrorEstimate::of_splats);
@@ -78,9 +77,11 @@ struct CellWork {
       // from some 62 dB on.
       constexpr double jumps = 5.6e-7;
       const double values = 3.0 * cell.width * cell.height;
-      estimate->foresee(forecast->expected(estimate->seen() / values, jumps / safety) * values);
+      estimate->foresee(forecast->expected(estimate->seen() / values, jumps) * values);
     }
-    expected_squares = estimate->squares();
+    // Where all pixels jump at once they do not make up for each other.
+    expected_squares = std::max(estimate->squares(),
+                                near_jumps * 3.0 * cell.width * cell.height / (double{1.0} * count * count));
   }
 
   void double_instants() {

@@ -18,7 +18,7 @@ constexpr std::array counts = {1,  3,  5,  7,  9,  11, 13, 15, 17, 19,  21,  25,
 
 /// What is begun with is expected to be so much better than asked for: what ways do not tell of, colours that
 /// turn and splats that come out from behind others, has to fit in.
-constexpr double margin = 3.0;
+constexpr double margin = 2.0;
 
 /// Squares are taken to fall at most to this from N/2 to N, whatever the still says.
 constexpr double least_fall = 0.02;
@@ -158,7 +158,9 @@ std::optional<CellForecast> ErrorForecast::of(const Cell& cell, std::size_t inde
     known[k] = 0.0;
     for (const Line& line : lines) known[k] += line.squares(counts[k], dilation_px2_);
     known[k] /= 3.0 * static_cast<double>(looked - beyond);
-    return known[k] += motion_.jumps_of(index) / (double{1.0} * counts[k] * counts[k]);
+    // Of near jumps a third is the mean over the times at which they may be.
+    return known[k] += (motion_.jumps_of(index) + motion_.near_jumps_of(index) / 3.0) /
+                       (double{1.0} * counts[k] * counts[k]);
   };
   const auto enough = [&](std::size_t k) { return margin * mean_square(k) <= allowed_mean_square; };
   // The least that is enough: between `few` and `many`.

@@ -41,6 +41,8 @@ void FilmMotion::look_for_ways(const Scene& scene, const std::vector<SplatPacket
   for (const Look what : {Look::first_order, Look::last_order, Look::ways})
     draw(scene, splats, math, grid, what);
   spread_ways(grid.film);
+  near_jumps_of_ =
+      near_jumps(near_splats_, colors_, way_columns_, pitch_px, scene.splats, splat_rule(scene).linear, grid);
 }
 
 /// All splats at a frame, on a film of one of every few pixels.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <tuple>
 
 #include "abuffer/parallel.h"
 #include "abuffer/splats/placed_lanes.h"
@@ -92,6 +94,15 @@ FilmMotion::FilmMotion(const Scene& scene, const Exposure& exposure, const std::
   of_sets_.resize(sets.size());
   for (std::size_t i = 0; i < sets.size(); ++i)
     if (sets[i].moves) follow(scene, exposure, sets[i], math, grid, of_sets_[i]);
+  // Threads found them in an order of their own, and what is summed up must not depend on it.
+  std::sort(near_splats_.begin(), near_splats_.end(), [](const NearSplat& a, const NearSplat& b) {
+    const auto key = [](const NearSplat& near) {
+      const PlacedSplat& s = near.splat;
+      return std::tie(s.depth, s.pixel_x, s.pixel_y, s.center_x, s.center_y, s.opacity, s.red, s.green,
+                      s.blue, s.ux, s.uy, s.vy);
+    };
+    return key(a) < key(b);
+  });
 }
 
 void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const SplatPackets& set,
@@ -109,18 +120,21 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
     for (std::size_t i = 0; i < enough; ++i)
       frames.push_back(exposure.at(static_cast<double>(i) / (enough - 1)));
   }
-  std::vector<SplatPose> poses;
-  poses.reserve(2 * frames.size());
+  std::vector<double> looks;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (i > 0) poses.emplace_back(scene, set, 0.5 * frames[i - 1] + 0.5 * frames[i]);
-    poses.emplace_back(scene, set, frames[i]);
+    if (i > 0) looks.push_back(0.5 * frames[i - 1] + 0.5 * frames[i]);
+    looks.push_back(frames[i]);
   }
+  std::vector<SplatPose> poses;
+  poses.reserve(looks.size());
+  for (const double frame : looks) poses.emplace_back(scene, set, frame);
   const int shift_x = (wide_film_px - grid.film.width) / 2, shift_y = (wide_film_px - grid.film.height) / 2;
   for (SplatPose& pose : poses) pose.view.film_width = pose.view.film_height = wide_film_px;
 
   paths.assign(set.count * static_cast<std::size_t>(packet_size), Path{});
   std::vector<std::atomic<char>> touched(grid.size());
-  std::atomic<bool> lost{anywhere}, jumps{jumps_};
+  std::atomic<bool> lost{anywhere};
+  std::mutex near_mutex;
   std::atomic<float> fastest{fastest_px_}, widest{fastest_spread_}, briefest{briefest_};
   const double clip_open = poses.front().clip_time, clip_close = poses.back().clip_time;
   parallel_for_each_index((set.count + packets_a_run - 1) / packets_a_run, [&](std::size_t r) {
@@ -141,10 +155,12 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
             // Through the near plane, or from far away; who fades does neither.
             if (seen(k) != seen(k + 1) && !faded(k) && !faded(k + 1)) {
               lost.store(true, std::memory_order_relaxed);
-              const PlacedSplat& one = at[seen(k) ? k : k + 1].lanes[lane];
-              if (one.x_last >= shift_x && one.x_first < shift_x + grid.film.width && one.y_last >= shift_y &&
-                  one.y_first < shift_y + grid.film.height)
-                jumps.store(true, std::memory_order_relaxed);
+              const std::optional<NearSplat> near = at_near_plane(
+                  scene, set, p, lane, looks[seen(k) ? k : k + 1], looks[seen(k) ? k + 1 : k], math, grid);
+              if (near) {
+                const std::lock_guard lock(near_mutex);
+                near_splats_.push_back(*near);
+              }
             }
             continue;
           }
@@ -191,7 +207,6 @@ void FilmMotion::follow(const Scene& scene, const Exposure& exposure, const Spla
       }
     }
   });
-  jumps_ = jumps;
   fastest_px_ = fastest, fastest_spread_ = widest, briefest_ = briefest;
   for (std::size_t cell = 0; cell < grid.size(); ++cell)
     if (lost || touched[cell] != 0) touched_[cell] = 1;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "abuffer/simd/splat_math.h"
+#include "abuffer/splats/near_jumps.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
 
@@ -50,8 +51,10 @@ class FilmMotion {
   }
   /// What changes of depth order make of the N-instants' mean square in a cell, times N².
   [[nodiscard]] double jumps_of(std::size_t cell) const { return jumps_of_.empty() ? 0.0 : jumps_of_[cell]; }
-  /// Whether a splat on the film passes the near plane: it covers much of the film, and all at once no more.
-  [[nodiscard]] bool jumps() const { return jumps_; }
+  /// The most of it, times N², where splats pass the near plane on the film.
+  [[nodiscard]] double near_jumps_of(std::size_t cell) const {
+    return near_jumps_of_.empty() ? 0.0 : near_jumps_of_[cell];
+  }
   /// The exposure in standard deviations of how the briefest splat comes and goes that is there then, seen at
   /// some instant or not; 0: none does.
   [[nodiscard]] float briefest() const { return briefest_; }
@@ -94,9 +97,9 @@ class FilmMotion {
   std::vector<Paths> of_sets_;
   std::vector<Way> ways_;      ///< of every few pixels, whole tiles
   std::vector<float> colors_;  ///< the same in the order that splats have first, linear
-  std::vector<double> jumps_of_;
+  std::vector<double> jumps_of_, near_jumps_of_;
+  std::vector<NearSplat> near_splats_;
   std::size_t way_columns_ = 0;
-  bool jumps_ = false;
   float fastest_px_ = 0.0f, fastest_spread_ = 0.0f, briefest_ = 0.0f;
 };
 

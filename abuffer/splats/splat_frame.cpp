@@ -98,6 +98,11 @@ class SplatFrame {
   void forecast(const SplatRow& standing);
   void count_without_forecast(const SplatRow& standing);
   void count_what_fades();
+  /// Where splats pass the near plane on the film, no more than a few hundred.
+  [[nodiscard]] int instants_of_jumps(double near_jumps) const {
+    constexpr double most = 257.0;
+    return static_cast<int>(std::min(most, std::ceil(std::sqrt(near_jumps / allowed_mean_square_))));
+  }
   [[nodiscard]] bool render_round();
   [[nodiscard]] bool render_batch(std::span<const RoundInstant> instants);
   void finish_round(CellWork& work);
@@ -118,7 +123,7 @@ class SplatFrame {
   std::unique_ptr<FilmMotion> motion_;
   std::unique_ptr<FilmSurfaces> surfaces_;
   std::vector<CellWork> cells_;
-  double allowed_mean_square_ = 0.0, safety_ = 1.0;
+  double allowed_mean_square_ = 0.0;
   Image* image_ = nullptr;
   PerThread<SplatPainter> painters_;
   std::size_t placed_instants_ = 0;
@@ -154,10 +159,6 @@ void SplatFrame::begin_cells() {
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
   allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
-  // A jump is off by up to 3 times its mean square, and where all pixels jump at once they do not make up for
-  // each other.
-  if (motion_ != nullptr && motion_->jumps()) safety_ = 3.0;
-  allowed_mean_square_ /= safety_;
   if (options_.max_cell_error_db > 0.0)
     allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
 }
@@ -177,7 +178,7 @@ void SplatFrame::forecast(const SplatRow& standing) {
     parallel_for_each_index(cells_.size(), [&](std::size_t c) {
       CellWork& work = cells_[c];
       if (!work.adaptive || work.forecast || surfaces_->motion_px(work.index) > 0.0f) return;
-      work.forecast = errors.of(work.cell, work.index, safety_ * allowed_mean_square_);
+      work.forecast = errors.of(work.cell, work.index, allowed_mean_square_);
       if (work.forecast) work.count = work.forecast->count;
     });
     std::size_t open = 0;
@@ -196,6 +197,8 @@ void SplatFrame::count_without_forecast(const SplatRow& standing) {
     const bool splats_move = motion_ != nullptr && motion_->moves(work.index);
     work.count = std::max(first_instants(surfaces_->motion_px(work.index), first_db),
                           splats_move ? first_splat_instants(motion_->spread(work.index), first_db) : 2);
+    if (motion_ != nullptr)
+      work.count = std::max(work.count, instants_of_jumps(motion_->near_jumps_of(work.index)));
     if (work.has_middle) work.count |= 1;
   }
 }
@@ -339,7 +342,7 @@ void SplatFrame::finish(CellWork& work) {
 /// Stores a cell that is good enough, and doubles one that is not.
 void SplatFrame::finish_round(CellWork& work) {
   if (work.estimated && work.count > 1) {
-    work.judge(safety_);
+    work.judge(motion_ != nullptr ? motion_->near_jumps_of(work.index) : 0.0);
   }
   if (!work.adaptive) return finish(work);
   if (options_.max_seconds > 0.0) {
