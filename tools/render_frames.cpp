@@ -17,7 +17,8 @@
 namespace swept {
 namespace {
 
-ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, const RunStatistics& run) {
+ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, std::string whole_hash,
+                          const RunStatistics& run) {
   const double length = scene.shutter.close - scene.shutter.open;
   ImageMetadata metadata;
   metadata.fps_numerator = scene.fps.numerator;
@@ -32,6 +33,7 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, con
   metadata.lens = camera.lens;
   metadata.near = scene.camera.near;
   metadata.scene_hash = scene_hash;
+  metadata.whole_hash = std::move(whole_hash);
   metadata.method = run.picture;
   metadata.software = run.software;
   return metadata;
@@ -58,6 +60,12 @@ class FrameLoop {
     Result<std::string> hash = file_.hash(output.frame);
     if (!hash) return of_frame(output, hash.error());
     statistics.scene_hash = std::move(*hash);
+    std::string whole_hash;
+    if ((*scene)->film.crop_width > 0) {
+      Result<std::string> whole = file_.whole_hash(output.frame);
+      if (!whole) return of_frame(output, whole.error());
+      whole_hash = std::move(*whole);
+    }
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     statistics.plan = effect_plan(**scene);
@@ -65,8 +73,8 @@ class FrameLoop {
     Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
     if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
-    pending_.push_back(
-        {&output, metadata_of(**scene, statistics.scene_hash, run_), &statistics, std::move(*layers)});
+    pending_.push_back({&output, metadata_of(**scene, statistics.scene_hash, std::move(whole_hash), run_),
+                        &statistics, std::move(*layers)});
     return Done{};
   }
 

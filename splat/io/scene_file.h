@@ -22,7 +22,7 @@
 
 namespace SWEPT_API swept {
 
-/// Makes the cloud of {"generator": shape, "points": points, <parameter>: <number>}, velocities per frame.
+/// Makes the cloud of `{"generator": shape, "points": points, parameter: number}`, velocities per frame.
 /// The error's field is the member at fault.
 using Generator = std::function<Result<SurfelCloud>(const std::string& shape, std::size_t points,
                                                     const std::map<std::string, double>& parameters)>;
@@ -120,6 +120,8 @@ class SceneFile {
   /// overrides, the frame, and size and content of the files that scene_at(frame) reads. FNV-1a, 64 bits, 16
   /// hexadecimal digits. Errors: files that cannot be read.
   [[nodiscard]] Result<std::string> hash(double frame) const;
+  /// The same of the whole film, of which hash() may be a crop's.
+  [[nodiscard]] Result<std::string> whole_hash(double frame) const;
 
  private:
   struct Clouds;
@@ -128,11 +130,11 @@ class SceneFile {
   SceneFile();
   [[nodiscard]] Status load_object(std::size_t i, const Generator& generator);
   [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
-  [[nodiscard]] Result<std::string> hash_of(double frame) const;
+  [[nodiscard]] Result<std::string> hash_of(double frame, const std::string& canonical) const;
   /// An error of source_files(), seen from the scene file.
   [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
 
-  std::string path_, canonical_;
+  std::string path_, canonical_, canonical_whole_;
   std::vector<std::string> notes_;
   Scene scene_;
   std::vector<ObjectSource> sources_;
