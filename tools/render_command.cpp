@@ -32,7 +32,7 @@ struct RenderArguments {
   std::string scene, output, preview, deep, stats;
   std::vector<int> frames;  ///< empty: the scene's own
   int part = 0, parts = 0;  ///< which of so many strips of the film; 0: all of it
-  bool half = false, overwrite = false, skip_existing = false, dry_run = false;
+  bool half = false, no_load_ahead = false, overwrite = false, skip_existing = false, dry_run = false;
   RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
   std::shared_ptr<const MethodChoice> method;
@@ -105,7 +105,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
-  if (const Status status = render_frames(file, outputs, *method.renderer, run); !status)
+  if (const Status status = render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead);
+      !status)
     return fail(status.error());
   if (arguments.stats.empty()) return 0;
   rusage usage{};
@@ -229,6 +230,9 @@ void add_render_command(CLI::App& app, int& exit_code) {
                  "Leave out frames that exist; a file that is not just that frame of this scene is an "
                  "error, and stays")
       ->excludes(overwrite);
+  command->add_flag("--no-load-ahead", arguments->no_load_ahead,
+                    "Load a frame of a sequence when the one before it is done, not while it is rendered: "
+                    "takes less memory");
   command->add_flag("--dry-run", arguments->dry_run,
                     "Read everything, check the outputs, print the plan and render nothing");
   command->add_option("--threads", arguments->control.threads, "Threads; 0 takes all, and none changes a bit")

@@ -112,6 +112,12 @@ class SceneFile {
   /// object, and changes with the next call.
   [[nodiscard]] Result<const Scene*> scene_at(double frame, const Generator& generator);
 
+  /// Loads what scene_at(frame) will have to load, and keeps it for that call; what is kept for another frame
+  /// goes. Meant for another thread while a scene is rendered: it leaves the scene alone, but must not run at
+  /// the same time as any other function of this object that is not const, or hash(). What fails here fails
+  /// again there, and is told there. Does nothing where nothing is loaded frame by frame.
+  void load_ahead(double frame, const Generator& generator) noexcept;
+
   /// What the scene was said to assume, and what the readers of the clouds of the last scene_at() read, left
   /// and had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;
@@ -128,8 +134,13 @@ class SceneFile {
   friend Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                            const SceneOverrides& overrides, std::vector<std::string> notes);
   SceneFile();
-  [[nodiscard]] Status load_object(std::size_t i, const Generator& generator);
-  [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
+  struct LoadedObject;
+  /// What does not depend on the clouds, at `frame`: all that loading them needs.
+  [[nodiscard]] Scene settings(double frame) const;
+  [[nodiscard]] Result<LoadedObject> load_object(std::size_t i, const Scene& settings,
+                                                 const Generator& generator) const;
+  [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Scene& settings,
+                                         const Generator& generator) const;
   [[nodiscard]] Result<std::string> hash_of(double frame, const std::string& canonical) const;
   /// An error of source_files(), seen from the scene file.
   [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
