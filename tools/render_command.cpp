@@ -121,7 +121,7 @@ void parse_part(const std::string& text, RenderArguments& arguments) {
   int read = 0;
   const bool two = std::sscanf(text.c_str(), "%d/%d%n", &arguments.part, &arguments.parts, &read) == 2 &&
                    static_cast<std::size_t>(read) == text.size();
-  if (!two || arguments.part < 1 || arguments.part > arguments.parts)
+  if (!two || arguments.part < 1 || arguments.part > arguments.parts || arguments.parts > 65536)
     throw CLI::ValidationError("--part", "expected which of how many, as in 3/16: " + text);
 }
 
