@@ -142,9 +142,9 @@ TEST(StitchCommand, StripsByNumberAreTheFrame) {
   EXPECT_TRUE(content_of(crops.file("stitched.exr")) == content_of(crops.file("whole.exr")));
   for (const char* wrong : {"0/7", "8/7", "1", "1/7x", "a/b"})
     EXPECT_EQ(crops.render("no.exr", std::string("--part ") + wrong).exit_code, 2) << wrong;
-  EXPECT_EQ(crops.render("no.exr", "--part 1/91").exit_code, 1) << "a strip of no row";
-  EXPECT_EQ(crops.render("no.exr", "--part 1/2 --crop 0,0,10,10").exit_code, 1);
-  EXPECT_EQ(crops.render("no.exr", "--part 1/2 --overscan 1,1,1,1").exit_code, 1);
+  EXPECT_EQ(crops.render("no.exr", "--part 1/91").exit_code, 2) << "a strip of no row";
+  EXPECT_EQ(crops.render("no.exr", "--part 1/2 --crop 0,0,10,10").exit_code, 2);
+  EXPECT_EQ(crops.render("no.exr", "--part 1/2 --overscan 1,1,1,1").exit_code, 2);
 }
 
 TEST(StitchCommand, WritesOnceAndNeverOverAPart) {

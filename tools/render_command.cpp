@@ -127,13 +127,13 @@ void parse_part(const std::string& text, RenderArguments& arguments) {
 
 /// The scene with one of the strips that the film is cut into as its crop.
 Result<SceneFile> read_part(const RenderArguments& arguments, const Film& film) {
-  if (film.crop_width > 0) return Error{arguments.scene, "--part", "goes without a crop"};
+  if (film.crop_width > 0) throw CLI::ValidationError("--part", "goes without a crop");
   const auto row = [&](int part) {
     return static_cast<int>(static_cast<long long>(part) * film.height / arguments.parts);
   };
   const int from = row(arguments.part - 1), to = row(arguments.part);
   if (from == to)
-    return Error{arguments.scene, "--part", fmt::format("has no row: the film has {}", film.height)};
+    throw CLI::ValidationError("--part", fmt::format("has no row: the film has {}", film.height));
   SceneOverrides overrides = *arguments.overrides;
   overrides.fields["/film/crop"] = {0.0, static_cast<double>(from), static_cast<double>(film.width),
                                     static_cast<double>(to - from)};
