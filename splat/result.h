@@ -12,7 +12,7 @@
 
 namespace SWEPT_API swept {
 
-/// `text` with control characters as \xNN: names come from files, and a terminal would obey them.
+/// `text` with control characters as `\xNN`: names come from files, and a terminal would obey them.
 [[nodiscard]] inline std::string printable(std::string_view text) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string shown;

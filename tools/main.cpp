@@ -17,6 +17,7 @@
 #include "tools/init_command.h"
 #include "tools/render_command.h"
 #include "tools/scene_schema.h"
+#include "tools/stitch_command.h"
 #include "tools/study/study_command.h"
 #include "tools/study/worker.h"
 
@@ -74,6 +75,7 @@ int run(int argc, char** argv) {
     swept::add_info_command(app, exit_code);
     swept::add_init_command(app, exit_code);
     swept::add_compare_command(app, exit_code);
+    swept::add_stitch_command(app, exit_code);
     swept::add_study_command(app, exit_code);
     swept::add_study_worker_command(app, exit_code);
     swept::add_completion_command(app);

@@ -1,5 +1,6 @@
 #include "tools/render_command.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,7 +31,8 @@ namespace {
 struct RenderArguments {
   std::string scene, output, preview, deep, stats;
   std::vector<int> frames;  ///< empty: the scene's own
-  bool half = false, overwrite = false, skip_existing = false, dry_run = false;
+  int part = 0, parts = 0;  ///< which of so many strips of the film; 0: all of it
+  bool half = false, no_load_ahead = false, overwrite = false, skip_existing = false, dry_run = false;
   RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
   std::shared_ptr<const MethodChoice> method;
@@ -103,7 +105,8 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
-  if (const Status status = render_frames(file, outputs, *method.renderer, run); !status)
+  if (const Status status = render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead);
+      !status)
     return fail(status.error());
   if (arguments.stats.empty()) return 0;
   rusage usage{};
@@ -111,6 +114,30 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
     run.peak_memory_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
   const Status written = write_file(arguments.stats, to_json(run));
   return written ? 0 : fail(written.error());
+}
+
+/// "3/16".
+void parse_part(const std::string& text, RenderArguments& arguments) {
+  int read = 0;
+  const bool two = std::sscanf(text.c_str(), "%d/%d%n", &arguments.part, &arguments.parts, &read) == 2 &&
+                   static_cast<std::size_t>(read) == text.size();
+  if (!two || arguments.part < 1 || arguments.part > arguments.parts || arguments.parts > 65536)
+    throw CLI::ValidationError("--part", "expected which of how many, as in 3/16: " + text);
+}
+
+/// The scene with one of the strips that the film is cut into as its crop.
+Result<SceneFile> read_part(const RenderArguments& arguments, const Film& film) {
+  if (film.crop_width > 0) throw CLI::ValidationError("--part", "goes without a crop");
+  const auto row = [&](int part) {
+    return static_cast<int>(static_cast<long long>(part) * film.height / arguments.parts);
+  };
+  const int from = row(arguments.part - 1), to = row(arguments.part);
+  if (from == to)
+    throw CLI::ValidationError("--part", fmt::format("has no row: the film has {}", film.height));
+  SceneOverrides overrides = *arguments.overrides;
+  overrides.fields["/film/crop"] = {0.0, static_cast<double>(from), static_cast<double>(film.width),
+                                    static_cast<double>(to - from)};
+  return read_scene_or_points(arguments.scene, overrides);
 }
 
 int render(const RenderArguments& arguments) {
@@ -127,6 +154,7 @@ int render(const RenderArguments& arguments) {
     if (!named) return fail(named.error(), 2);
   }
   Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
+  if (file && arguments.parts > 0) file = read_part(arguments, file->scene().film);
   if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs =
@@ -188,6 +216,11 @@ void add_render_command(CLI::App& app, int& exit_code) {
           },
           "Frames to render, e.g. 1-100x2,120; by default the scene's own")
       ->type_name("RANGES");
+  command
+      ->add_option_function<std::string>(
+          "--part", [arguments](const std::string& text) { parse_part(text, *arguments); },
+          "Render the I-th of N strips of the film, from the top; swept stitch puts them together")
+      ->type_name("I/N");
   command->add_flag("--half", arguments->half,
                     "Write colours and alpha as half floats: 11 bits, 65504 at most; depth stays float");
   arguments->layers = add_layer_options(*command);
@@ -197,6 +230,9 @@ void add_render_command(CLI::App& app, int& exit_code) {
                  "Leave out frames that exist; a file that is not just that frame of this scene is an "
                  "error, and stays")
       ->excludes(overwrite);
+  command->add_flag("--no-load-ahead", arguments->no_load_ahead,
+                    "Load a frame of a sequence when the one before it is done, not while it is rendered: "
+                    "takes less memory");
   command->add_flag("--dry-run", arguments->dry_run,
                     "Read everything, check the outputs, print the plan and render nothing");
   command->add_option("--threads", arguments->control.threads, "Threads; 0 takes all, and none changes a bit")

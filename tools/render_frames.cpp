@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <deque>
+#include <future>
 #include <limits>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
@@ -17,7 +19,8 @@
 namespace swept {
 namespace {
 
-ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, const RunStatistics& run) {
+ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, std::string whole_hash,
+                          const RunStatistics& run) {
   const double length = scene.shutter.close - scene.shutter.open;
   ImageMetadata metadata;
   metadata.fps_numerator = scene.fps.numerator;
@@ -32,6 +35,7 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, con
   metadata.lens = camera.lens;
   metadata.near = scene.camera.near;
   metadata.scene_hash = scene_hash;
+  metadata.whole_hash = std::move(whole_hash);
   metadata.method = run.picture;
   metadata.software = run.software;
   return metadata;
@@ -50,23 +54,32 @@ class FrameLoop {
   FrameLoop(SceneFile& file, FrameRenderer& renderer, RunStatistics& run, Progress& progress)
       : file_(file), renderer_(renderer), run_(run), progress_(progress) {}
 
-  Status submit(const FrameOutput& output, FrameStatistics& statistics) {
+  /// `next` is the frame to be submitted after this one, to be loaded meanwhile; null: none.
+  Status submit(const FrameOutput& output, const FrameOutput* next, FrameStatistics& statistics) {
     progress_.begin_frame(output.frame);
     Stopwatch watch;
+    if (ahead_.valid()) ahead_.get();
     const Result<const Scene*> scene = file_.scene_at(output.frame, generate);
     if (!scene) return of_frame(output, scene.error());
     Result<std::string> hash = file_.hash(output.frame);
     if (!hash) return of_frame(output, hash.error());
     statistics.scene_hash = std::move(*hash);
+    std::string whole_hash;
+    if ((*scene)->film.crop_width > 0) {
+      Result<std::string> whole = file_.whole_hash(output.frame);
+      if (!whole) return of_frame(output, whole.error());
+      whole_hash = std::move(*whole);
+    }
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
     statistics.plan = effect_plan(**scene);
+    if (next != nullptr) load_ahead(next->frame);
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
     Result<std::vector<ImageChannel>> layers = render_layers(**scene, run_.layers.choice, run_.layer_control);
     if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
-    pending_.push_back(
-        {&output, metadata_of(**scene, statistics.scene_hash, run_), &statistics, std::move(*layers)});
+    pending_.push_back({&output, metadata_of(**scene, statistics.scene_hash, std::move(whole_hash), run_),
+                        &statistics, std::move(*layers)});
     return Done{};
   }
 
@@ -81,6 +94,17 @@ class FrameLoop {
   }
 
  private:
+  /// What the hash reads, too: all of the files.
+  void load_ahead(double frame) {
+    try {
+      ahead_ = std::async(std::launch::async, [this, frame] {
+        file_.load_ahead(frame, generate);
+        static_cast<void>(file_.hash(frame));
+      });
+    } catch (const std::system_error&) {  // no thread to be had: it is loaded when its turn comes
+    }
+  }
+
   Status finish(PendingFrame& frame) {
     FrameStatistics& statistics = *frame.statistics;
     const FrameOutput& output = *frame.output;
@@ -126,6 +150,7 @@ class FrameLoop {
   Progress& progress_;
   std::deque<PendingFrame> pending_;
   std::set<std::string> told_;
+  std::future<void> ahead_;  ///< last, so that it ends before anything else goes
 };
 
 /// What the frames are expected to be off by, where their renderer says so.
@@ -140,7 +165,7 @@ std::string expectation(const std::vector<FrameStatistics>& frames) {
 }  // namespace
 
 Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
-                     RunStatistics& run) {
+                     RunStatistics& run, bool ahead) {
   Progress progress(outputs.size());
   renderer.on_progress([&progress](double share) { progress.within_frame(share); });
   FrameLoop loop(file, renderer, run, progress);
@@ -154,7 +179,10 @@ Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, F
       progress.skip_frame(output.frame, output.image);
       continue;
     }
-    const Status submitted = loop.submit(output, frames[i]);
+    const auto next = std::find_if(outputs.begin() + static_cast<std::ptrdiff_t>(i) + 1, outputs.end(),
+                                   [](const FrameOutput& later) { return !later.skip; });
+    const Status submitted =
+        loop.submit(output, ahead && next != outputs.end() ? &*next : nullptr, frames[i]);
     // Frames before one that failed are as good as ever.
     if (Status finished = loop.finish_all_but(submitted ? renderer.most_pending() - 1 : 0); !finished)
       return finished;

@@ -15,9 +15,12 @@ namespace swept {
 /// the order of the outputs. As many frames are in flight as the renderer takes: one is written while the
 /// next is rendered, if the renderer can. Tells progress and the readers' notes on stderr.
 ///
+/// While a frame is rendered, the next one is loaded, if `ahead`: what sequences show of it, for one frame at
+/// most.
+///
 /// The error is that of the first frame that failed. Those before it are written, it and those after it are
 /// not.
 [[nodiscard]] Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs,
-                                   FrameRenderer& renderer, RunStatistics& run);
+                                   FrameRenderer& renderer, RunStatistics& run, bool ahead = true);
 
 }  // namespace swept

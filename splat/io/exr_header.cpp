@@ -91,6 +91,7 @@ Imf::Header header_of(const ExrWindow& image, const ImageMetadata& metadata) {
   header.insert("shutterClose", Imf::DoubleAttribute(metadata.shutter_close));
   add_camera(header, image, metadata);
   for (const auto& [name, text] : {std::pair{"sceneHash", &metadata.scene_hash},
+                                   {"wholeHash", &metadata.whole_hash},
                                    {"method", &metadata.method},
                                    {"software", &metadata.software}})
     if (!text->empty()) header.insert(name, Imf::StringAttribute(*text));

@@ -32,6 +32,7 @@ namespace SWEPT_API swept {
 ///   pixelAspectRatio float           1 / lens.stretch_x
 ///   fieldOfView      float, degrees  along the film's width
 ///   sceneHash, method, software  string  left out if empty
+///   wholeHash        string          likewise; of a crop, the sceneHash that the whole film has
 ///
 /// beside compression (ZIP), the windows, and the Rec.709 chromaticities. Without a field of view there is no
 /// worldToNDC and no fieldOfView. A float has 7 digits: what is a million units from the origin is placed to
@@ -45,7 +46,7 @@ struct ImageMetadata {
   double tan_half_fov_y = 0.0;  ///< of the whole film, mid-shutter; 0: not known
   Lens lens{};                  ///< mid-shutter
   double near = 1e-3;           ///< world units, > 0
-  std::string scene_hash;
+  std::string scene_hash, whole_hash;
   std::string method;  ///< how the image was computed, with the options that are in it
   std::string software;
 };

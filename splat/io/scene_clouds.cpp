@@ -82,7 +82,8 @@ Error SceneFile::source_error(const ObjectSource& source, const Error& error) co
   return {path_, source.pointer + "/source" + member, error.reason, in_a_file(error.kind)};
 }
 
-Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator& generator) const {
+Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Scene& settings,
+                                    const Generator& generator) const {
   const std::string pointer = source.pointer + "/source";
   if (const auto* points = std::get_if<GeneratorSource>(&source.points)) {
     Result<LoadedCloud> loaded = generate_cloud(*points, source, points_scale_, generator);
@@ -91,10 +92,10 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
                    in_a_file(loaded.error().kind)};
     return loaded;
   }
-  CloudSource cloud = cloud_source(source, scene_);
-  const Exposure all = scene_.exposure().of_all_rows(scene_.film.height);
+  CloudSource cloud = cloud_source(source, settings);
+  const Exposure all = settings.exposure().of_all_rows(settings.film.height);
   double first = all.open, last = all.close;
-  Result<io::SourceFiles> files = io::source_files(source, scene_);
+  Result<io::SourceFiles> files = io::source_files(source, settings);
   if (!files) return source_error(source, files.error());
   cloud.files = std::move(files->files);
   if (const auto* file = std::get_if<FileSource>(&source.points)) {
@@ -119,25 +120,31 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Generator&
 }
 
 /// The picture is read once, and laid over all frames of a sequence.
-Status SceneFile::load_texture(const ObjectSource& source, std::vector<TextureCorners>& corners,
-                               Object& object) const {
-  if (source.texture.empty()) return Done{};
-  if (corners.empty())
-    return Error{path_, source.pointer + "/texture", "the mesh has no texture coordinates",
-                 ErrorKind::malformed};
-  if (!object.texture) {
-    Result<Texture> texture = read_texture(source.texture);
-    if (!texture) return texture.error();
-    object.texture = std::make_shared<const Texture>(*std::move(texture));
-  }
-  object.texture_corners = std::move(corners);
-  return Done{};
+Result<std::shared_ptr<const Texture>> SceneFile::load_texture(std::size_t i) const {
+  if (scene_.objects[i].texture) return scene_.objects[i].texture;
+  Result<Texture> texture = read_texture(sources_[i].texture);
+  if (!texture) return texture.error();
+  return std::make_shared<const Texture>(*std::move(texture));
 }
 
-/// Into the object, with notes: splats where they are to be drawn as such, else a cloud.
-Status SceneFile::load_object(std::size_t i, const Generator& generator) {
+Scene SceneFile::settings(double frame) const {
+  Scene settings;
+  settings.frame = frame;
+  settings.film = scene_.film;
+  settings.shutter = scene_.shutter;
+  settings.fps = scene_.fps;
+  settings.model = scene_.model;
+  settings.motion = scene_.motion;
+  settings.splats = scene_.splats;
+  return settings;
+}
+
+/// With notes: splats where they are to be drawn as such, else a cloud.
+Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scene& settings,
+                                                       const Generator& generator) const {
   const ObjectSource& source = sources_[i];
-  std::vector<std::string>& notes = clouds_->objects[i].notes;
+  LoadedObject object;
+  std::vector<std::string>& notes = object.notes;
   // Without the file's name, so that the frames of a sequence do not all say the same again.
   const auto note = [&](std::vector<std::string> lines, const ReadReport& report) {
     notes = std::move(lines);
@@ -147,32 +154,39 @@ Status SceneFile::load_object(std::size_t i, const Generator& generator) {
     return Error{path_, source.pointer + (source.radius ? "/radius" : "/radius_scale"),
                  "means nothing to triangles, which have no discs"};
   if (io::draws_splats(source)) {
-    Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], scene_);
+    Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], settings);
     if (!loaded)
       return loaded.error().file.empty()
                  ? Error{path_, io::join_pointer(source.pointer, loaded.error().field), loaded.error().reason,
                          in_a_file(loaded.error().kind)}
                  : loaded.error();
-    scene_.objects[i].splats = std::move(loaded->splats);
+    object.splats = std::move(loaded->splats);
     note(std::move(loaded->notes), loaded->report);
-    return Done{};
+    return object;
   }
-  Result<LoadedCloud> loaded = load(source, generator);
+  Result<LoadedCloud> loaded = load(source, settings, generator);
   if (!loaded) return loaded.error();
   if (source.sideless) loaded->cloud.oriented.clear();
-  Object& object = scene_.objects[i];
   object.cloud = std::move(loaded->cloud);
   if (source.draw == DrawAs::triangles) {
     if (loaded->triangles.empty())
       return Error{path_, source.pointer + "/draw", "the source holds no triangles to draw"};
     object.triangles = std::move(loaded->triangles);
-    if (Status read = load_texture(source, loaded->texture_corners, object); !read) return read;
+    if (!source.texture.empty()) {
+      if (loaded->texture_corners.empty())
+        return Error{path_, source.pointer + "/texture", "the mesh has no texture coordinates",
+                     ErrorKind::malformed};
+      Result<std::shared_ptr<const Texture>> texture = load_texture(i);
+      if (!texture) return texture.error();
+      object.texture = *std::move(texture);
+      object.texture_corners = std::move(loaded->texture_corners);
+    }
   }
   note(std::move(loaded->notes), loaded->report);
   if (object.texture)
     notes.push_back("texture " + std::to_string(object.texture->width) + " x " +
                     std::to_string(object.texture->height) + ": " + source.texture);
-  return Done{};
+  return object;
 }
 
 Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generator) {
@@ -181,6 +195,7 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
     scene_.frame = frame;
     clouds_->objects.resize(sources_.size());
+    if (clouds_->ahead_frame != frame) clouds_->ahead.clear();
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       Clouds::State& state = clouds_->objects[i];
       if (state.keep) continue;
@@ -191,7 +206,21 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       scene_.objects[i].splats = {};
       state.notes.clear();
       try {
-        if (const Status status = load_object(i, generator); !status) return status.error();
+        LoadedObject object;
+        if (const auto ready = clouds_->ahead.find(i); ready != clouds_->ahead.end()) {
+          object = std::move(ready->second);
+          clouds_->ahead.erase(ready);
+        } else {
+          Result<LoadedObject> loaded = load_object(i, settings(frame), generator);
+          if (!loaded) return loaded.error();
+          object = *std::move(loaded);
+        }
+        scene_.objects[i].cloud = std::move(object.cloud);
+        scene_.objects[i].triangles = std::move(object.triangles);
+        scene_.objects[i].texture = std::move(object.texture);
+        scene_.objects[i].texture_corners = std::move(object.texture_corners);
+        scene_.objects[i].splats = std::move(object.splats);
+        state.notes = std::move(object.notes);
         state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);
       } catch (const std::bad_alloc&) {
         return Error{path_, sources_[i].pointer + "/source", "not enough memory for its points",
@@ -202,6 +231,23 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
     }
     return &std::as_const(scene_);
   });
+}
+
+void SceneFile::load_ahead(double frame, const Generator& generator) noexcept {
+  clouds_->ahead.clear();
+  if (!(std::abs(frame) <= most_frame)) return;
+  clouds_->ahead_frame = frame;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    if (!std::holds_alternative<SequenceSource>(sources_[i].points)) continue;
+    try {
+      Result<LoadedObject> loaded = load_object(i, settings(frame), generator);
+      if (loaded) clouds_->ahead[i] = *std::move(loaded);
+    } catch (...) {
+      // There is no memory for two frames, or something else that scene_at() will find, too.
+      clouds_->ahead.clear();
+      return;
+    }
+  }
 }
 
 std::vector<std::string> SceneFile::notes() const {

@@ -1,14 +1,26 @@
 // What SceneFile keeps from frame to frame. Private to splat/io.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "splat/io/scene_file.h"
 
 namespace swept {
+
+/// What an object shows at one frame.
+struct SceneFile::LoadedObject {
+  SurfelCloud cloud;
+  std::vector<Triangle> triangles;
+  std::shared_ptr<const Texture> texture;
+  std::vector<TextureCorners> texture_corners;
+  SplatCloud splats;
+  std::vector<std::string> notes;
+};
 
 struct SceneFile::Clouds {
   /// What is known of the cloud that an object holds at the moment.
@@ -21,7 +33,9 @@ struct SceneFile::Clouds {
     std::string hash;
   };
   std::vector<State> objects;
-  std::map<std::string, Content> contents;  ///< by path
+  double ahead_frame = 0.0;
+  std::map<std::size_t, LoadedObject> ahead;  ///< by object, as they are at that frame
+  std::map<std::string, Content> contents;    ///< by path
 };
 
 }  // namespace swept

@@ -194,6 +194,12 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
       return Error{path, valid.error().field, valid.error().reason, in_a_file(valid.error().kind)};
     document->erase("$schema");
     file.canonical_ = document->dump() + '\n' + canonical(file.scene_, overrides);
+    Scene whole = file.scene_;
+    Film& film = whole.film;
+    film.crop_x = film.crop_y = film.crop_width = film.crop_height = 0;
+    if (const auto own = document->find("film"); own != document->end() && own->is_object())
+      own->erase("crop");
+    file.canonical_whole_ = document->dump() + '\n' + canonical(whole, overrides);
     return file;
   });
 }

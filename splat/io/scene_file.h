@@ -22,7 +22,7 @@
 
 namespace SWEPT_API swept {
 
-/// Makes the cloud of {"generator": shape, "points": points, <parameter>: <number>}, velocities per frame.
+/// Makes the cloud of `{"generator": shape, "points": points, parameter: number}`, velocities per frame.
 /// The error's field is the member at fault.
 using Generator = std::function<Result<SurfelCloud>(const std::string& shape, std::size_t points,
                                                     const std::map<std::string, double>& parameters)>;
@@ -114,6 +114,12 @@ class SceneFile {
   /// object, and changes with the next call.
   [[nodiscard]] Result<const Scene*> scene_at(double frame, const Generator& generator);
 
+  /// Loads what scene_at(frame) will have to load, and keeps it for that call; what is kept for another frame
+  /// goes. Meant for another thread while a scene is rendered: it leaves the scene alone, but must not run at
+  /// the same time as any other function of this object that is not const, or hash(). What fails here fails
+  /// again there, and is told there. Does nothing where nothing is loaded frame by frame.
+  void load_ahead(double frame, const Generator& generator) noexcept;
+
   /// What the scene was said to assume, and what the readers of the clouds of the last scene_at() read, left
   /// and had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;
@@ -122,21 +128,27 @@ class SceneFile {
   /// overrides, the frame, and size and content of the files that scene_at(frame) reads. FNV-1a, 64 bits, 16
   /// hexadecimal digits. Errors: files that cannot be read.
   [[nodiscard]] Result<std::string> hash(double frame) const;
+  /// The same of the whole film, of which hash() may be a crop's.
+  [[nodiscard]] Result<std::string> whole_hash(double frame) const;
 
  private:
   struct Clouds;
   friend Result<SceneFile> scene_from_text(const std::string& text, const std::string& path,
                                            const SceneOverrides& overrides, std::vector<std::string> notes);
   SceneFile();
-  [[nodiscard]] Status load_object(std::size_t i, const Generator& generator);
-  [[nodiscard]] Status load_texture(const ObjectSource& source, std::vector<TextureCorners>& corners,
-                                    Object& object) const;
-  [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Generator& generator) const;
-  [[nodiscard]] Result<std::string> hash_of(double frame) const;
+  struct LoadedObject;
+  /// What does not depend on the clouds, at `frame`: all that loading them needs.
+  [[nodiscard]] Scene settings(double frame) const;
+  [[nodiscard]] Result<LoadedObject> load_object(std::size_t i, const Scene& settings,
+                                                 const Generator& generator) const;
+  [[nodiscard]] Result<std::shared_ptr<const Texture>> load_texture(std::size_t i) const;
+  [[nodiscard]] Result<LoadedCloud> load(const ObjectSource& source, const Scene& settings,
+                                         const Generator& generator) const;
+  [[nodiscard]] Result<std::string> hash_of(double frame, const std::string& canonical) const;
   /// An error of source_files(), seen from the scene file.
   [[nodiscard]] Error source_error(const ObjectSource& source, const Error& error) const;
 
-  std::string path_, canonical_;
+  std::string path_, canonical_, canonical_whole_;
   std::vector<std::string> notes_;
   Scene scene_;
   std::vector<ObjectSource> sources_;

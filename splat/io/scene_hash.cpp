@@ -41,12 +41,18 @@ Result<std::string> hash_file(const std::string& path) {
 Result<std::string> SceneFile::hash(double frame) const {
   if (!(std::abs(frame) <= most_frame))
     return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
-  return io::guarded(path_, [&] { return hash_of(frame); });
+  return io::guarded(path_, [&] { return hash_of(frame, canonical_); });
 }
 
-Result<std::string> SceneFile::hash_of(double frame) const {
+Result<std::string> SceneFile::whole_hash(double frame) const {
+  if (!(std::abs(frame) <= most_frame))
+    return Error{path_, "/frame", "the frame must be between -1e9 and 1e9"};
+  return io::guarded(path_, [&] { return hash_of(frame, canonical_whole_); });
+}
+
+Result<std::string> SceneFile::hash_of(double frame, const std::string& canonical) const {
   io::ContentHash hash;
-  hash.add_part(canonical_);
+  hash.add_part(canonical);
   hash.add_part(shortest_text(frame));
   Scene at_frame;
   at_frame.frame = frame;
