@@ -259,7 +259,8 @@ TEST_F(MovingSplatsFile, ASceneFileDrawsThem) {
   for (const double frame : {3.0, 12.0}) {
     const Result<const Scene*> scene = file->scene_at(frame, no_generator);
     ASSERT_TRUE(scene.ok()) << scene.error().message();
-    EXPECT_GE(psnr_db(swept::drawn(**scene, 6).image, judged(at_frame(made, frame, -0.5, 0.5), 6)), 80.0) << frame;
+    EXPECT_GE(psnr_db(swept::drawn(**scene, 6).image, judged(at_frame(made, frame, -0.5, 0.5), 6)), 80.0)
+        << frame;
   }
   const std::vector<std::string> notes = file->notes();
   EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
