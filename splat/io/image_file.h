@@ -66,8 +66,7 @@ enum class ExrPixels {
 /// A deep image, as scan lines: R G B A, Z and ZBack of every sample. The header is that of write_exr(), with
 /// compression ZIPS and the string deepSamples, which says what a sample means. Errors: as write_exr().
 [[nodiscard]] Status write_deep_exr(const std::string& path, const DeepImage& image,
-                                    const ImageMetadata& metadata = {},
-                                    ExrPixels pixels = ExrPixels::float32,
+                                    const ImageMetadata& metadata = {}, ExrPixels pixels = ExrPixels::float32,
                                     IfExists existing = IfExists::replace);
 
 /// Reads R, G, B and, where present, A and Z of the first part: scan lines or tiles, half, float or uint.
