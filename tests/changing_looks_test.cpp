@@ -1,4 +1,4 @@
-// Colours and opacities that change during the exposure (model section 1.8): closed forms, and every method
+// Colours and opacities that change during the exposure (model section 1.7): closed forms, and every method
 // against the reference, which has formulas of its own.
 #include <algorithm>
 #include <cmath>

@@ -53,6 +53,26 @@ class Command : public ::testing::Test {
   const std::string scene_ = folder_ / "scene.json";
 };
 
+TEST_F(Command, AFrameThatTakesMoreMemoryThanItMayIsAnError) {
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+  GTEST_SKIP() << "AddressSanitizer maps more than any bound";
+#endif
+#endif
+  const std::vector<std::string> line = {"render", "{}scene.json", "-o", "{}a.exr", "--threads", "2"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), line.begin(), line.end());
+    return swept(more);
+  };
+  const Outcome large = with({"--points-scale", "20000", "--max-memory", "150M"});
+  EXPECT_EQ(large.exit_code, 1);
+  EXPECT_NE(large.err.find("memory"), std::string::npos) << large.err;
+  EXPECT_EQ(folder_.names(), std::set<std::string>{"scene.json"});
+  const Outcome small = with({"--max-memory", "1G"});
+  EXPECT_EQ(small.exit_code, 0) << small.err;
+  EXPECT_EQ(with({"--max-memory", "lots", "--overwrite"}).exit_code, 2);
+}
+
 TEST_F(Command, BadArgumentsExitWith2AndLeaveNothing) {
   const std::vector<std::vector<std::string>> lines = {
       {},

@@ -1,5 +1,6 @@
 #include "tools/render_command.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -19,6 +20,7 @@
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
 #include "tools/console.h"
+#include "tools/memory_limit.h"
 #include "tools/outputs.h"
 #include "tools/render_frames.h"
 #include "tools/render_methods.h"
@@ -33,6 +35,7 @@ struct RenderArguments {
   std::vector<int> frames;  ///< empty: the scene's own
   int part = 0, parts = 0;  ///< which of so many strips of the film; 0: all of it
   bool half = false, no_load_ahead = false, overwrite = false, skip_existing = false, dry_run = false;
+  std::uint64_t max_memory = 0;  ///< bytes; 0: no bound
   RenderControl control;
   std::shared_ptr<const SceneOverrides> overrides;
   std::shared_ptr<const MethodChoice> method;
@@ -142,6 +145,8 @@ Result<SceneFile> read_part(const RenderArguments& arguments, const Film& film) 
 
 int render(const RenderArguments& arguments) {
   check_arguments(arguments);
+  if (arguments.max_memory > 0)
+    if (const Status limited = limit_memory(arguments.max_memory); !limited) return fail(limited.error());
   MethodChoice choice = *arguments.method;
   choice.arguments.expect_error = arguments.layers->error;
   choice.arguments.expect_deep = !arguments.deep.empty();
@@ -238,6 +243,13 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", arguments->control.threads, "Threads; 0 takes all, and none changes a bit")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--max-memory", arguments->max_memory,
+          "Memory that the process may take, as 4G or 512M; a frame that would take more is an error [all "
+          "there is]")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("SIZE");
   command->add_option("--stats-json", arguments->stats, "Write counts and times of every frame")
       ->type_name("FILE.json");
   arguments->method = add_method_options(*command);

@@ -1,5 +1,5 @@
 // What the points of a cloud look like at an instant: light and opacity, which may change (model
-// section 1.8).
+// section 1.7).
 #pragma once
 
 #include <algorithm>
