@@ -138,7 +138,9 @@ constexpr Entry entries[] = {
 Scene random_scene(std::uint32_t seed) {
   std::mt19937 bits(seed);
   // Not the library's distributions, which differ from one to the next.
-  const auto between = [&](double low, double high) { return low + (high - low) * (bits() * 0x1p-32); };
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(bits()) * 0x1p-32);
+  };
   const auto spread = [&](double low, double high) {
     return std::exp(between(std::log(low), std::log(high)));
   };

@@ -51,7 +51,9 @@ Result<LoadedCloud> generate_cloud(const GeneratorSource& points, const ObjectSo
   if (const Status valid = cloud->validate(); !valid) return valid.error();
   if (const Status applied = apply_overrides(source, *cloud); !applied) return applied.error();
   if (const Status valid = cloud->validate(); !valid) return valid.error();
-  return LoadedCloud{std::move(*cloud), {}, {}, {}};
+  LoadedCloud loaded;
+  loaded.cloud = std::move(*cloud);
+  return loaded;
 }
 
 CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
