@@ -274,13 +274,14 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
                               DeepStore* deep) {
   Rendered out;
   Stopwatch watch;
-  const KernelSet set = build_kernels(scene);
+  const KernelSet set = build_kernels(scene, scene.exposure(), control.stop);
+  throw_if_stopped(control.stop);
   out.statistics.time("kernels", watch.lap());
 
   out.image = blank_image(scene.film);
   if (deep != nullptr) deep->start(out.image);
   const Window film{out.image.x, out.image.y, out.image.width, out.image.height};
-  const TileBins bins(set, film, options.tile_px);
+  const TileBins bins(set, film, options.tile_px, control.stop);
   const std::vector<Shade> shades = shades_of(set);
   const std::vector<ShadeChange> changes = changes_of(set, shades);
   out.statistics.time("bins", watch.lap());

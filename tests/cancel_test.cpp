@@ -31,10 +31,10 @@ double cpu_seconds(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-Scene large_scene() {
+Scene large_scene(int points = 100000) {
   Scene scene = test::stage();
   scene.film = {960, 540, 0, 0, 0, 0};
-  Object& object = scene.objects.emplace_back(test::checkered_sphere(1.2, 100000));
+  Object& object = scene.objects.emplace_back(test::checkered_sphere(1.2, points));
   object.cloud.velocity.assign(object.cloud.size(), {1.0f, 0.3f, 0.2f});
   return scene;
 }
@@ -132,6 +132,13 @@ TEST(Cancel, RendersOfSplatsReturnSoon) {
 TEST(Cancel, ExactRendersReturnSoon) {
   const Scene discs = large_scene();
   expect_soon("exact",
+              kind_of([&](const RenderControl& control) { return render_abuffer(discs, {}, control); }));
+}
+
+/// What comes before the tiles takes most of half a second then.
+TEST(Cancel, ExactRendersOfManyPointsReturnSoon) {
+  const Scene discs = large_scene(500000);
+  expect_soon("exact, 500,000 points",
               kind_of([&](const RenderControl& control) { return render_abuffer(discs, {}, control); }));
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/without_throwing.h"
+
 namespace swept {
 namespace {
 
@@ -22,7 +24,7 @@ bool faces_away(const MovingKernel& kernel, const PixelBox& box, const Projectio
 
 }  // namespace
 
-TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px)
+TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px, const std::stop_token& stop)
     : film_(film_window),
       tile_px_(tile_px),
       columns_((film_window.width + tile_px - 1) / tile_px),
@@ -54,15 +56,22 @@ TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px)
       }
     return any;
   };
-  for (const MovingKernel& kernel : set.kernels)
-    if (!for_each_tile(kernel, [&](std::size_t tile) { ++starts_[tile + 1]; }))
+  const auto look_at_stop = [&](std::size_t kernel) {
+    if (kernel % 1024 == 0) throw_if_stopped(stop);
+  };
+  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
+    look_at_stop(k);
+    if (!for_each_tile(set.kernels[k], [&](std::size_t tile) { ++starts_[tile + 1]; }))
       ++(back ? facing_away_ : outside_);
+  }
   for (std::size_t tile = 1; tile < starts_.size(); ++tile) starts_[tile] += starts_[tile - 1];
   entries_.resize(starts_.back());
   std::vector<std::size_t> fill(starts_.begin(), starts_.end() - 1);
-  for (std::size_t k = 0; k < set.kernels.size(); ++k)
+  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
+    look_at_stop(k);
     for_each_tile(set.kernels[k],
                   [&](std::size_t tile) { entries_[fill[tile]++] = static_cast<std::uint32_t>(k); });
+  }
 }
 
 Window TileBins::window(std::size_t tile) const {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "abuffer/sources/rasterize.h"
@@ -13,8 +14,8 @@ namespace swept {
 
 class TileBins {
  public:
-  /// Bins all kernels that touch `film_window`, in their order.
-  TileBins(const KernelSet& set, const Window& film_window, int tile_px);
+  /// Bins all kernels that touch `film_window`, in their order. Throws Stopped once `stop` asks for it.
+  TileBins(const KernelSet& set, const Window& film_window, int tile_px, const std::stop_token& stop);
 
   [[nodiscard]] std::size_t tile_count() const { return starts_.size() - 1; }
   [[nodiscard]] Window window(std::size_t tile) const;

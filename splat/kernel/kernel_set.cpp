@@ -86,8 +86,8 @@ bool still(const std::vector<PathSegment>& path) {
 
 class Builder {
  public:
-  Builder(const Scene& scene, const Exposure& exposure, KernelSet& out)
-      : scene_(scene), exposure_(exposure), out_(out) {
+  Builder(const Scene& scene, const Exposure& exposure, const std::stop_token& stop, KernelSet& out)
+      : scene_(scene), exposure_(exposure), stop_(stop), out_(out) {
     out.projection =
         projection_of(scene.film, scene.camera.at(exposure.of_all_rows(scene.film.height).middle()));
     out.near = scene.camera.near;
@@ -112,6 +112,9 @@ class Builder {
   }
 
  private:
+  /// Looked at for some of the points only.
+  [[nodiscard]] bool stopped(std::size_t i) const { return i % 1024 == 0 && stop_.stop_requested(); }
+
   /// A mirrored object keeps its outside outside.
   void take_side(const Instant& instant) {
     side_ = instant.world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
@@ -126,6 +129,7 @@ class Builder {
     const double scale = exposure_.curve ? 1.0 : (all.close - all.open) / length();
     out_.kernels.reserve(out_.kernels.size() + object.cloud.size());
     for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+      if (stopped(i)) return;
       const std::vector<PathSegment>& path = cutter.cut(i, tolerance);
       out_.most_segments = std::max(out_.most_segments, static_cast<int>(path.size()));
       for (PathSegment segment : path) {
@@ -158,6 +162,7 @@ class Builder {
     out_.kernels.reserve(out_.kernels.size() + count * static_cast<std::size_t>(segments));
     std::vector<PathSegment> path(static_cast<std::size_t>(segments));
     for (std::size_t i = 0; i < count; ++i) {
+      if (stopped(i)) return;
       Eigen::Vector3d first = ends[0].to_camera(at_ends[0][i].position);
       for (std::size_t s = 0; s < path.size(); ++s) {
         const SurfelInstant surfel = at_middles[s][i];
@@ -273,6 +278,7 @@ class Builder {
 
   const Scene& scene_;
   Exposure exposure_;
+  const std::stop_token& stop_;
   KernelSet& out_;
   PixelFilter filter_;
   double side_ = 1.0;             ///< −1: the object is mirrored
@@ -282,15 +288,15 @@ class Builder {
 
 }  // namespace
 
-KernelSet build_kernels(const Scene& scene, const Exposure& exposure) {
+KernelSet build_kernels(const Scene& scene, const Exposure& exposure, const std::stop_token& stop) {
   KernelSet set;
-  Builder builder(scene, exposure, set);
+  Builder builder(scene, exposure, stop, set);
   for (const Object& object : scene.objects) {
     const std::size_t before = set.still_kernels;
     builder.add(object);
     if (stands_still(scene, object, exposure)) set.standing_kernels += set.still_kernels - before;
   }
-  sort_by_content(set.kernels);
+  if (!stop.stop_requested()) sort_by_content(set.kernels);
   return set;
 }
 

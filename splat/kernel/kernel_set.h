@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 #include <vector>
 
 #include "splat/export.h"
@@ -36,8 +37,9 @@ struct KernelSet {
 /// mean velocity of its stretch of the path and, by Simpson's rule, its mean position: to first order a
 /// blurred image sees nothing else of it, and the chord between the path's ends misses the second. Axes,
 /// normal and pixel filter are those of its middle. Colours and opacities that change do so evenly within it.
-/// `scene` must satisfy validate().
-[[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure);
+/// `scene` must satisfy validate(). Once `stop` asks for it, what is there by then is returned, in any order.
+[[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure,
+                                      const std::stop_token& stop = {});
 /// The same over the scene's own exposure.
 [[nodiscard]] inline KernelSet build_kernels(const Scene& scene) {
   return build_kernels(scene, scene.exposure());
