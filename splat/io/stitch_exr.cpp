@@ -36,6 +36,14 @@ std::string text_of(const Imf::Header& header, const char* name) {
 
 std::size_t bytes_of(Imf::PixelType type) { return type == Imf::HALF ? 2 : 4; }
 
+/// Header::erase() of OpenEXR 3.1 does not free what it takes out.
+Imf::Header without(const Imf::Header& header, const std::string& name) {
+  Imf::Header rest;
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+    if (attribute.name() != name) rest.insert(attribute.name(), attribute.attribute());
+  return rest;
+}
+
 /// The header alone; damaged and truncated files are errors.
 Result<Part> look_at(const std::string& path) {
   Part part{path, {}, {}, {}};
@@ -197,7 +205,7 @@ Status stitch(const std::vector<std::string>& paths, const std::string& path, If
     return Error{fits.error().file.empty() ? path : fits.error().file, fits.error().field,
                  fits.error().reason, fits.error().kind};
   const int width = parts.front().window.film_width, height = parts.front().window.film_height;
-  Imf::Header header = Imf::InputFile(parts.front().path.c_str(), 0).header();
+  Imf::Header header = without(Imf::InputFile(parts.front().path.c_str(), 0).header(), "wholeHash");
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
       return Error{parts.front().path, channel.name(), "has not a value for every pixel"};
@@ -206,7 +214,6 @@ Status stitch(const std::vector<std::string>& paths, const std::string& path, If
     if (Status put = film.put(part); !put) return put;
   header.dataWindow() = header.displayWindow();
   header.insert("sceneHash", Imf::StringAttribute(parts.front().whole));
-  header.erase("wholeHash");
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
   FileStream stream(path, file->stream());
