@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +12,7 @@
 #include <ImfIO.h>
 
 #include "splat/image.h"
+#include "splat/io/atomic_file.h"
 #include "splat/io/image_file.h"
 #include "splat/result.h"
 
@@ -46,5 +49,21 @@ struct ExrWindow {
   int x, y, width, height, film_width, film_height;
 };
 [[nodiscard]] Imf::Header header_of(const ExrWindow& window, const ImageMetadata& metadata);
+
+/// What `write` puts into a stream, whole or not at all. Errors: what it throws, but for want of memory.
+template <class Write>
+Status write_exr_file(const std::string& path, IfExists existing, const Write& write) {
+  try {
+    Result<AtomicFile> file = AtomicFile::create(path);
+    if (!file) return file.error();
+    FileStream stream(path, file->stream());
+    write(stream);
+    return file->commit(existing);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& problem) {
+    return Error{path, "", std::string("cannot be written: ") + problem.what(), ErrorKind::device};
+  }
+}
 
 }  // namespace swept

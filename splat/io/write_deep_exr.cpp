@@ -108,17 +108,8 @@ Status write_deep_exr(const std::string& path, const DeepImage& image, const Ima
     for (const Status& status : {image.validate(), check(metadata)}) {
       if (!status) return Error{path, status.error().field, status.error().reason, status.error().kind};
     }
-    try {
-      Result<AtomicFile> file = AtomicFile::create(path);
-      if (!file) return file.error();
-      FileStream stream(path, file->stream());
-      write_samples(stream, image, metadata, pixels);
-      return file->commit(existing);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& problem) {
-      return Error{path, "", std::string("cannot be written: ") + problem.what(), ErrorKind::device};
-    }
+    return write_exr_file(path, existing,
+                          [&](FileStream& stream) { write_samples(stream, image, metadata, pixels); });
   });
 }
 
