@@ -80,16 +80,7 @@ class TileRenderer {
     for (const BoundedKernel& kernel : octagons_) bound += visited_pixels(kernel.octagon, window);
     if (bound > fragment_limit_ && window.width * window.height > 1) {
       if (whole) ++counters.split_tiles;
-      Window first = window, second = window;
-      if (window.height >= window.width) {
-        first.height /= 2;
-        second.y += first.height;
-        second.height -= first.height;
-      } else {
-        first.width /= 2;
-        second.x += first.width;
-        second.width -= first.width;
-      }
+      const auto [first, second] = window.halves();
       render_part(first, false);
       render_part(second, false);
       return;

@@ -46,16 +46,7 @@ class MeshTile {
     if (film_.stop.stop_requested()) return;
     if (!gather(window, entries)) {
       ++counters.split_tiles;
-      Window first = window, second = window;
-      if (window.height >= window.width) {
-        first.height /= 2;
-        second.y += first.height;
-        second.height -= first.height;
-      } else {
-        first.width /= 2;
-        second.x += first.width;
-        second.width -= first.width;
-      }
+      const auto [first, second] = window.halves();
       render(first, entries);
       render(second, entries);
       return;

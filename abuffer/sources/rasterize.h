@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "splat/camera.h"
@@ -19,6 +20,20 @@ struct Window {
 
   /// Around the pixels' centres.
   [[nodiscard]] PixelBox centers() const { return {x + 0.5, x + width - 0.5, y + 0.5, y + height - 0.5}; }
+  /// Cut across its longer side; of more than one pixel.
+  [[nodiscard]] std::pair<Window, Window> halves() const {
+    Window first = *this, second = *this;
+    if (height >= width) {
+      first.height /= 2;
+      second.y += first.height;
+      second.height -= first.height;
+    } else {
+      first.width /= 2;
+      second.x += first.width;
+      second.width -= first.width;
+    }
+    return {first, second};
+  }
 };
 
 struct RasterModel {
