@@ -97,7 +97,7 @@ class MeshTile {
         if (film_.stop.stop_requested()) return true;
         if (!triangle)
           triangle.emplace(film_.meshes[entry.mesh], entry.mesh, entry.stretch, entry.triangle,
-                           film_.scene.camera.near);
+                           film_.scene.camera.near, film_.projection.orthographic);
         const LightOverTime& light = rows_[static_cast<std::size_t>(y - window.y)];
         for (int x = first; x < last; ++x) {
           if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;

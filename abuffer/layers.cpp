@@ -64,7 +64,7 @@ class LayerRenderer {
         exposure_(exposure_of_vectors(scene)),
         film_(projection_of(scene.film, scene.camera.at(exposure_.middle()))),
         filter_{scene.model.filter_radius_px / film_.focal_px, 1.3 * largest_tangent(scene.film, film_, 0),
-                1.3 * largest_tangent(scene.film, film_, 1), scene.camera.near},
+                1.3 * largest_tangent(scene.film, film_, 1), scene.camera.near, film_.orthographic},
         bands_(static_cast<std::size_t>((window_.height + band_height - 1) / band_height)) {
     for (const Object& object : scene.objects) {
       const Instant middle = instant_at(scene, object, exposure_, 0.5);
@@ -130,7 +130,7 @@ class LayerRenderer {
       return static_cast<int>(std::clamp(v, static_cast<double>(low), static_cast<double>(high)));
     };
     const int right = window_.x + window_.width, bottom = window_.y + window_.height;
-    return SeenDisc{KernelPlane<double>(kernel),
+    return SeenDisc{KernelPlane<double>(kernel, film_.orthographic),
                     disc.weight,
                     tolerance,
                     whole(std::ceil(box.x_min - 0.5), window_.x, right),
@@ -183,7 +183,8 @@ class LayerRenderer {
         const auto pixel = static_cast<std::size_t>(y - band.y) * static_cast<std::size_t>(window_.width) +
                            static_cast<std::size_t>(x - window_.x);
         const int side = !disc->plane.oriented() ? 0 : disc->plane.shows_back(ray_x, ray_y) ? -1 : 1;
-        visit(band.pixels[pixel], *disc, Eigen::Vector3d(at.z * ray_x, at.z * ray_y, at.z), side, weight);
+        const double across = film_.orthographic ? 1.0 : at.z;
+        visit(band.pixels[pixel], *disc, Eigen::Vector3d(across * ray_x, across * ray_y, at.z), side, weight);
       }
   }
 
@@ -224,7 +225,8 @@ class LayerRenderer {
       const Eigen::Vector3d p =
           instant.to_camera(surfel.position + (uv[0] * surfel.axis_u + uv[1] * surfel.axis_v));
       if (!(p.z() >= scene_.camera.near)) return std::nullopt;
-      return Eigen::Vector2d(film_.focal_px * p.x() / p.z(), -film_.focal_px * p.y() / p.z());
+      const double divisor = film_.divisor(p.z());
+      return Eigen::Vector2d(film_.focal_px * p.x() / divisor, -film_.focal_px * p.y() / divisor);
     };
     const auto from = on_film(placed.middle), to = on_film(end);
     if (!from || !to) return Eigen::Vector2d::Zero();
@@ -240,7 +242,9 @@ class LayerRenderer {
       const Eigen::Vector3d own = surfel.axis_u.cross(surfel.axis_v).stableNormalized();
       normal = (placed.world_normals * own).stableNormalized();
       const Eigen::Vector3d from_eye = placed.middle.world_from_object * surfel.position - placed.middle.eye;
-      if (normal.dot(from_eye) > 0.0) normal = -normal;
+      const Eigen::Vector3d ray =
+          film_.orthographic ? Eigen::Vector3d(placed.middle.camera_from_world.row(2)) : from_eye;
+      if (normal.dot(ray) > 0.0) normal = -normal;
     }
     meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, int side, double weight) {
       if (at.z() > pixel.depth + pixel.tolerance || side * pixel.side < 0) return;

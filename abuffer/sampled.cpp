@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "abuffer/lens_looks.h"
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
@@ -20,7 +21,6 @@
 #include "abuffer/splats/splat_frame.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
-#include "splat/lens_points.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -48,12 +48,8 @@ class Renderer {
   Result<Rendered> render() {
     if (scene_.camera.aperture.radius > 0.0) {
       if (Status status = refuse_row_delay(scene_, "a lens"); !status) return status.error();
-      if (options_.max_seconds > 0.0)
-        return Error{"", "max_seconds", "cannot be given to a lens, whose points are all looked through",
-                     ErrorKind::unsupported};
-      if (options_.error_channel)
-        return Error{"", "error_channel", "a lens has no estimate of its error", ErrorKind::unsupported};
-      lens_ = lens_points(scene_.camera.aperture, lens_point_count(scene_));
+      lens_ = LensLooks(scene_, options_.samples);
+      if (Status status = check_lens(lens_, options_); !status) return status.error();
     }
     const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
     const std::size_t bytes = packed_bytes(scene_, all_rows);
@@ -77,6 +73,7 @@ class Renderer {
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     bins_ = &bins;
+    if (lens_.any()) measure_blur(objects);
     plan();
 
     const SampledMaths maths = sampled_maths();
@@ -84,8 +81,7 @@ class Renderer {
         options_.implementation < 0
             ? maths.count - 1
             : std::min(static_cast<std::size_t>(options_.implementation), maths.count - 1);
-    InstantTable table = lens_.empty() ? InstantTable(scene_, exposure_, objects)
-                                       : InstantTable(scene_, exposure_, objects, lens_);
+    InstantTable table(scene_, exposure_, objects, lens_);
     PerThread<SampledCell> cells([&] { return SampledCell(scene_, objects, maths.first[which]); });
     progress_.resize(window_cells_.size());
     if (exposure_.row_delay != 0.0 && options_.samples == 0) {
@@ -118,7 +114,7 @@ class Renderer {
     const Image& image = *image_;
     for (std::size_t c = 0; c < bins_->cell_count(); ++c) {
       const Cell cell = bins_->cell(c);
-      if (typical_motion(*bins_, bins_->packets(c)) > 0.0f)
+      if (lens_.any() ? !bins_->packets(c).empty() : typical_motion(*bins_, bins_->packets(c)) > 0.0f)
         moving_px += double{1.0} * cell.width * cell.height;
       if (cell.x < image.x + image.width && cell.x + cell.width > image.x &&
           cell.y < image.y + image.height && cell.y + cell.height > image.y)
@@ -214,12 +210,12 @@ class Renderer {
   void begin_cell(std::size_t i, double error_db, SampledCell& renderer, InstantTable& table) {
     const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
     renderer.begin(bins_->cell(window_cells_[i]), packets);
+    if (lens_.any()) return begin_behind_lens(i, error_db, renderer, table);
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
     const int row = bins_->cell(window_cells_[i]).y;
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
     if (cell.count == 0) cell.count = first_instants(motion, error_db);
-    if (!lens_.empty()) return begin_behind_lens(cell, renderer, table);
     const bool estimated =
         motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
@@ -232,24 +228,77 @@ class Renderer {
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
   }
 
-  /// Each point of the lens at instants of its own, as many in all as it takes or more.
-  void begin_behind_lens(CellProgress& cell, SampledCell& renderer, InstantTable& table) const {
-    const auto points = static_cast<int>(lens_.size());
-    // Of what moves a single instant for each point leaves the two too much to chance.
-    const int wanted =
-        options_.samples == 0 && cell.count > 1 ? std::max(cell.count, 2 * points) : cell.count;
-    const int instants = (wanted + points - 1) / points;
-    for (int point = 0; point < points; ++point)
-      for (int k = 0; k < instants; ++k) {
-        throw_if_stopped(control_.stop);
-        renderer.add(*table.through_lens(point, k, instants), {});
+  /// The first looks through the lens. Of given points each at instants of its own, as many in all as it
+  /// takes or more.
+  void begin_behind_lens(std::size_t i, double error_db, SampledCell& renderer, InstantTable& table) {
+    const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
+    const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+    CellProgress& cell = progress_[i];
+    int instants = motion > 0.0f ? options_.samples : 1;
+    if (instants == 0) instants = first_instants(motion, error_db);
+    if (lens_.given()) {
+      const int points = lens_.points();
+      // Of what moves a single instant for each point leaves the two too much to chance.
+      const int wanted = options_.samples == 0 && instants > 1 ? std::max(instants, 2 * points) : instants;
+      instants = (wanted + points - 1) / points;
+      cell.count = points * instants;
+    } else {
+      cell.count = packets.empty() ? 1 : first_looks(blur_px(packets), instants);
+    }
+    const bool estimated = !lens_.given() && cell.count > 1;
+    for (int k = 0; k < cell.count; ++k) {
+      throw_if_stopped(control_.stop);
+      InstantWeights weights;
+      if (estimated) weights.alternating = half_of_looks(k, cell.count);
+      renderer.add(*table.look(k, instants), weights);
+    }
+    cell.instants = cell.count;
+    if (estimated) cell.estimate.emplace(renderer.squares(), cell.count, ErrorEstimate::of_lens);
+  }
+
+  /// The circle of confusion that stands for all of a cell's, in the middle of the exposure.
+  [[nodiscard]] double blur_px(std::span<const PacketRef> packets) const {
+    double squares = 0.0, count = 0.0;
+    for (const PacketRef packet : packets) {
+      const double px = double{blur_px_[packet.object][packet.packet]};
+      squares += px * px;
+      count += 1.0;
+    }
+    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  }
+
+  /// Of every packet.
+  void measure_blur(const std::vector<PointPackets>& objects) {
+    const double frame = exposure_.middle();
+    const double most = scene_.film.width + scene_.film.height;
+    for (const PointPackets& object : objects) {
+      std::vector<float>& of_packets = blur_px_.emplace_back(object.count);
+      const ObjectInstant at(scene_, object, frame);
+      for (std::size_t p = 0; p < object.count; ++p) {
+        const double z = std::max(at.center(object, p).z(), scene_.camera.near);
+        of_packets[p] =
+            static_cast<float>(std::min(most, 2.0 * at.lens_px * std::abs(1.0 / z - at.per_focus)));
       }
-    cell.instants = cell.count = points * instants;
+    }
+  }
+
+  /// As many looks again.
+  void double_looks(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    CellProgress& cell = progress_[i];
+    renderer.alternate_from_sums(cell.count);
+    for (int k = cell.count; k < 2 * cell.count; ++k) {
+      throw_if_stopped(control_.stop);
+      renderer.add(*table.look(k, 1), {1.0f, -1.0f, 0.0f, 0.0f});
+    }
+    cell.count *= 2;
+    cell.instants = cell.count;
+    cell.estimate->refine(renderer.squares(), cell.count);
   }
 
   /// By the instants half-way between; the first time with those at both ends, at half weight, so that the
   /// rule is the trapezoid's.
   void double_instants(std::size_t i, SampledCell& renderer, InstantTable& table) {
+    if (lens_.any()) return double_looks(i, renderer, table);
     CellProgress& cell = progress_[i];
     const int row = bins_->cell(window_cells_[i]).y;
     const int count = cell.count;
@@ -301,7 +350,7 @@ class Renderer {
         CellProgress& cell = progress_[i];
         // A doubling divides the gain by eight or more: a round takes what is within that of the best.
         if (gain(i) < 0.125 * best) return;
-        const double needs = cell.step_seconds * (cell.instants == cell.count ? 1.0 : 2.0);
+        const double needs = cell.step_seconds * (cell.instants == cell.count && !lens_.any() ? 1.0 : 2.0);
         if (begun_.so_far() + needs > seconds) return;
         step(i, [&](SampledCell& renderer) {
           renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
@@ -395,12 +444,8 @@ class Renderer {
     s.count("packets_hidden", static_cast<double>(total.packets_hidden));
     s.count("discs_general", static_cast<double>(total.general_discs));
     s.count("fragments_behind", static_cast<double>(total.fragments_behind));
-    if (!lens_.empty()) {
-      s.count("lens_points", static_cast<double>(lens_.size()));
-      s.effect("depth of field: instants paired with " + std::to_string(lens_.size()) +
-               " points of the lens");
-    }
-    if (lens_.empty() && (options_.samples == 0 || options_.error_channel))
+    if (lens_.any()) describe_lens(lens_, most, s);
+    if (!lens_.given() && (options_.samples == 0 || options_.error_channel))
       count_expected_error(squares, px, worst, s);
     s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                       : "motion blur: skipped, nothing moves during the exposure");
@@ -413,7 +458,9 @@ class Renderer {
   Exposure exposure_;
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
-  std::vector<Eigen::Vector2d> lens_;  ///< the points that it is looked through; empty: there is none
+  LensLooks lens_;
+  std::vector<std::vector<float>>
+      blur_px_;  ///< circles of confusion, by object and packet; where there is a lens
   std::vector<std::size_t> window_cells_;
   double allowed_mean_square_ = 0.0;
   std::vector<CellProgress> progress_;
@@ -445,8 +492,6 @@ Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& option
   if (mixed) {
     if (Status status = scene.validate(); !status) return status.error();
     if (Status status = check_splats(scene); !status) return status.error();
-    if (Status status = refuse_lens(scene, "a picture with splats or triangles"); !status)
-      return status.error();
     if (Status status = refuse_row_delay(scene, "the engine of splats and triangles"); !status)
       return status.error();
   }

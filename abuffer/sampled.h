@@ -44,8 +44,10 @@ struct SampledOptions {
 /// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
 /// Rendered::parts are the cells.
 ///
-/// A lens is looked through at all its points, each at instants of its own: the error is not estimated then,
-/// and neither `max_seconds` nor `error_channel` can be had, nor splats or triangles.
+/// A lens is looked through from as many points as the error takes, each at an instant of its own, and
+/// "instants" are these looks. Of a lens whose points are given (Aperture::samples), and with `samples`, all
+/// points are looked through at instants of their own: the error is not estimated then, and neither
+/// `max_seconds` nor `error_channel` can be had. "lens_points" are those given, or the most of any cell.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},

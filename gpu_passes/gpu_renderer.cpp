@@ -106,6 +106,7 @@ Status check_gpu_scene(const Scene& scene) {
     if (Status status = refuse_lifetimes(scene, "the GPU"); !status) return status;
     if (Status status = refuse_triangles(scene, "the GPU"); !status) return status;
     if (Status status = refuse_lens(scene, "the GPU"); !status) return status;
+    if (Status status = refuse_orthographic(scene, "the GPU"); !status) return status;
     if (scene.film.has_overscan())
       return Error{"", "/film/overscan", "is beyond the film, where the GPU does not draw",
                    ErrorKind::unsupported};

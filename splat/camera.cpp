@@ -139,14 +139,16 @@ Error bad(std::size_t key, const char* member, std::string reason) {
 
 /// What both kinds of key have: frame, eye and field of view.
 template <class Key>
-Status validate_common(const std::vector<Key>& keys, std::size_t i) {
+Status validate_common(const std::vector<Key>& keys, std::size_t i, bool orthographic) {
   const Key& key = keys[i];
   if (!(std::abs(key.frame) <= most_frame)) return bad(i, "/frame", "the frame must be between -1e9 and 1e9");
   if (i > 0 && !(keys[i - 1].frame < key.frame))
     return bad(i, "/frame", "keys must be at strictly increasing frames");
   if (!key.eye.allFinite()) return bad(i, "/eye", "the eye is not finite");
   if (!(key.tan_half_fov_y > 0.0) || !std::isfinite(key.tan_half_fov_y))
-    return bad(i, "/fov", "the field of view must be above 0 and below 180 degrees");
+    return bad(i, orthographic ? "/height" : "/fov",
+               orthographic ? "the height must be above 0 and finite"
+                            : "the field of view must be above 0 and below 180 degrees");
   constexpr double most_stretch = 1e3, most_shift = 1e3;
   if (!(key.lens.stretch_x >= 1.0 / most_stretch && key.lens.stretch_x <= most_stretch))
     return bad(i, "/intrinsics/fx", "one focal length must be at most 1000 times the other");
@@ -191,9 +193,9 @@ bool singular_between(const LookAtKey& a, const LookAtKey& b) {
   return false;
 }
 
-Status validate_look_ats(const std::vector<LookAtKey>& keys) {
+Status validate_look_ats(const std::vector<LookAtKey>& keys, bool orthographic) {
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (Status common = validate_common(keys, i); !common) return common;
+    if (Status common = validate_common(keys, i, orthographic); !common) return common;
     const LookAtKey& key = keys[i];
     if (!key.target.allFinite()) return bad(i, "/target", "the target is not finite");
     if (!key.up.allFinite()) return bad(i, "/up", "the up vector is not finite");
@@ -234,9 +236,9 @@ Status validate_focus(const std::vector<Key>& keys) {
   return Done{};
 }
 
-Status validate_poses(const std::vector<CameraKey>& keys) {
+Status validate_poses(const std::vector<CameraKey>& keys, bool orthographic) {
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (Status common = validate_common(keys, i); !common) return common;
+    if (Status common = validate_common(keys, i, orthographic); !common) return common;
     // Slerp and the conversion to a matrix assume unit length; the error of both is that of the norm.
     constexpr double unit_tolerance = 1e-9;
     if (!(std::abs(keys[i].world_from_camera.norm() - 1.0) <= unit_tolerance))
@@ -261,7 +263,22 @@ bool TransformTrack::constant_over(double first, double last) const {
                           [](const TransformKey& a, const TransformKey& b) { return same_values(a, b); });
 }
 
+CameraInstant CameraTrack::orthographic_at(double frame) const {
+  CameraInstant camera = pinhole_at(frame);
+  camera.orthographic = true;
+  if (camera.lens.shift.isZero(0.0)) return camera;
+  // The film's middle sees what the principal point's shift is away from. A film's height is 2
+  // tan_half_fov_y.
+  const Eigen::Vector2d aside = -2.0 * camera.tan_half_fov_y * camera.lens.shift;
+  const Eigen::Matrix3d rotation = camera.camera_from_world.linear();
+  camera.eye += rotation.transpose() * Eigen::Vector3d(aside.x() / camera.lens.stretch_x, aside.y(), 0.0);
+  camera.camera_from_world.translation() = -(rotation * camera.eye);
+  camera.lens.shift.setZero();
+  return camera;
+}
+
 CameraInstant CameraTrack::at(double frame) const {
+  if (orthographic) return orthographic_at(frame);
   CameraInstant camera = pinhole_at(frame);
   if (lens_point.isZero(0.0)) return camera;
   // With p the point and F the focus a point (x, y, z) is seen at (x − p)/z + p/F: from a moved eye, with a
@@ -309,12 +326,15 @@ Status CameraTrack::validate() const {
     if (!(near > 0.0) || !std::isfinite(near))
       return Error{"", "/near", "the near distance must be a finite number above 0"};
     if (Status status = validate_aperture(aperture); !status) return status;
+    if (orthographic && (aperture.radius > 0.0 || !lens_point.isZero(0.0)))
+      return Error{"", "/lens", "an orthographic camera has no lens: its rays are parallel",
+                   ErrorKind::unsupported};
     if (!lens_point.allFinite()) return Error{"", "/lens", "the point on the lens is not finite"};
     if (aperture.radius > 0.0 || !lens_point.isZero(0.0)) {
       if (Status status = poses.empty() ? validate_focus(look_ats) : validate_focus(poses); !status)
         return status;
     }
-    return poses.empty() ? validate_look_ats(look_ats) : validate_poses(poses);
+    return poses.empty() ? validate_look_ats(look_ats, orthographic) : validate_poses(poses, orthographic);
   });
 }
 

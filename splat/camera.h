@@ -1,8 +1,9 @@
-// Rigid and similarity tracks, and the pinhole camera.
+// Rigid and similarity tracks, and the camera: a pinhole, or orthographic.
 //
 // Camera space everywhere in Swept: x right, y down, z forward, so depth is z and a pixel's ray is
 // ((x + ½ − cx)/fx, (y + ½ − cy)/fy, 1) with x, y counted from the top left. Files may say OpenGL
-// axes (x right, y up, z backward); the reader converts.
+// axes (x right, y up, z backward); the reader converts. An orthographic camera's rays are all (0, 0, 1), and
+// begin at ((x + ½ − cx)/fx, (y + ½ − cy)/fy, 0).
 #pragma once
 
 #include <vector>
@@ -66,7 +67,9 @@ struct CameraKey {
   double frame = 0.0;
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();             ///< world space
   Eigen::Quaterniond world_from_camera{1.0, 0.0, 0.0, 0.0};  ///< unit; camera axes as above
-  double tan_half_fov_y = 0.5;  ///< half the film's height to the focal length along y
+  /// Half the film's height to the focal length along y; of an orthographic camera half the height of what it
+  /// sees, world units.
+  double tan_half_fov_y = 0.5;
   Lens lens{};
 };
 
@@ -75,7 +78,7 @@ struct CameraKey {
 struct LookAtKey {
   double frame = 0.0;
   Eigen::Vector3d eye{0.0, 0.0, 5.0}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
-  double tan_half_fov_y = 0.5;
+  double tan_half_fov_y = 0.5;  ///< as a CameraKey has it
   double roll_radians =
       0.0;  ///< clockwise about the view direction, as seen along it; the picture turns against it
   Lens lens{};
@@ -86,10 +89,13 @@ struct LookAtKey {
 /// Far from the origin, take camera_from_world.linear() * (p - eye): the translation is the difference of
 /// two large numbers there, and has lost the digits that p - eye keeps.
 struct CameraInstant {
-  Eigen::Affine3d camera_from_world;              ///< rigid; translation() == -linear() * eye
-  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< world space
-  double tan_half_fov_y = 0.5;
+  Eigen::Affine3d camera_from_world;  ///< rigid; translation() == -linear() * eye
+  /// World space. Of an orthographic camera the point of the film's middle at depth 0: it takes in the shift
+  /// of the principal point, and lens.shift is 0.
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  double tan_half_fov_y = 0.5;  ///< as a CameraKey has it
   Lens lens{};
+  bool orthographic = false;
 };
 
 /// Exactly one of the two lists is non-empty, at strictly increasing frames; held outside.
@@ -97,6 +103,8 @@ struct CameraTrack {
   std::vector<CameraKey> poses;
   std::vector<LookAtKey> look_ats;
   double near = 1e-3;  ///< world units, > 0: what is nearer is not seen
+  /// All rays are parallel, and all that is seen is as large at any depth. There is no lens then.
+  bool orthographic = false;
   Aperture aperture{};
   /// The point of the lens that at() looks through, from its middle along the camera's x and y axes, world
   /// units. What is in focus stays where it is on the film.
@@ -109,6 +117,7 @@ struct CameraTrack {
 
  private:
   [[nodiscard]] CameraInstant pinhole_at(double frame) const;
+  [[nodiscard]] CameraInstant orthographic_at(double frame) const;
 };
 
 /// Film resolution and the window of it to compute.
@@ -135,13 +144,20 @@ struct Film {
 /// y. Pixel (i, j) covers [i, i+1) × [j, j+1) of the whole film; its centre is at i + ½, j + ½.
 ///
 /// There is one focal length. Where a lens has two, camera space is stretched along x before it is
-/// projected, by Lens::stretch_x: a plane stays a plane, and a disc an elliptical one.
+/// projected, by Lens::stretch_x: a plane stays a plane, and a disc an elliptical one. An orthographic camera
+/// has x_px = center_x + focal_px · x, focal_px being pixels per world unit.
 struct Projection {
   double focal_px = 1.0, center_x = 0.0, center_y = 0.0;
+  bool orthographic = false;
+
+  /// What x and y of a point at depth z are divided by.
+  [[nodiscard]] double divisor(double z) const { return orthographic ? 1.0 : z; }
 };
 [[nodiscard]] Projection projection_of(const Film& film, double tan_half_fov_y, const Lens& lens = {});
 [[nodiscard]] inline Projection projection_of(const Film& film, const CameraInstant& camera) {
-  return projection_of(film, camera.tan_half_fov_y, camera.lens);
+  Projection projection = projection_of(film, camera.tan_half_fov_y, camera.lens);
+  projection.orthographic = camera.orthographic;
+  return projection;
 }
 
 /// Camera space of `camera`, distorted so that the projection of `reference` shows what `camera` sees:
@@ -149,8 +165,8 @@ struct Projection {
 /// have one focal length.
 [[nodiscard]] Eigen::Matrix3d lens_matrix(const CameraInstant& camera, const CameraInstant& reference);
 
-/// The largest |x/z| (axis 0) or |y/z| (axis 1) on the film, or, if the principal point is beside the film,
-/// between both.
+/// The largest |x/z| (axis 0) or |y/z| (axis 1) on the film, of an orthographic camera |x| or |y|, or, if the
+/// principal point is beside the film, between both.
 [[nodiscard]] double largest_tangent(const Film& film, const Projection& projection, int axis);
 
 }  // namespace swept

@@ -21,6 +21,11 @@ inline constexpr int most_lens_points = 4096;
 /// axes: a disc, or a regular polygon of `blades` corners within it. One point: the middle.
 [[nodiscard]] std::vector<Eigen::Vector2d> lens_points(const Aperture& aperture, int count);
 
+/// The point of the aperture within which lies that share of its area, of points nearer to its middle on the
+/// same way out, and so many turns around it; both in [0, 1). What fills the square evenly fills the
+/// aperture.
+[[nodiscard]] Eigen::Vector2d point_on_lens(const Aperture& aperture, double area_share, double turns);
+
 /// Diameter, px, to which the lens spreads a point at that depth: aperture · focal length · |1/z − 1/focus|.
 [[nodiscard]] double circle_of_confusion_px(double aperture, double focal_px, double focus, double z);
 

@@ -117,6 +117,11 @@ Status refuse_row_delay(const Scene& scene, std::string_view renderer) {
              "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
 }
 
+Status refuse_orthographic(const Scene& scene, std::string_view renderer) {
+  if (!scene.camera.orthographic) return Done{};
+  return bad("/camera/height", "the camera is orthographic, which " + std::string(renderer) + " does not do");
+}
+
 Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
   const Exposure exposure = scene.exposure();
   for (std::size_t i = 0; i < scene.objects.size(); ++i)

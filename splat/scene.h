@@ -136,6 +136,9 @@ struct Scene {
 /// An error that names the shutter's row delay, of a renderer that exposes all rows at once.
 [[nodiscard]] Status refuse_row_delay(const Scene& scene, std::string_view renderer);
 
+/// An error that names the camera, where it is orthographic, of a renderer whose rays all begin in the eye.
+[[nodiscard]] Status refuse_orthographic(const Scene& scene, std::string_view renderer);
+
 /// An error that names the first object with points that come or go while the shutter is open, of a renderer
 /// that has them throughout.
 [[nodiscard]] Status refuse_lifetimes(const Scene& scene, std::string_view renderer);

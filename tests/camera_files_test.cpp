@@ -278,8 +278,12 @@ TEST_F(CameraFiles, GltfCamerasStandWhereTheirNodesAre) {
   for (const Vector3d& p : points)
     EXPECT_LT((seen(file.scene(), 1, p) - expected(truth, {focal, focal, 320, 240}, p)).norm(), 1e-9);
   EXPECT_EQ(file.scene().camera.poses.size(), 1u);
-  put(folder_ / "a.glb", gltf.bytes(R"("type":"orthographic","orthographic":{"xmag":1,"ymag":1})"));
-  expect_refused("a.glb", "/cameras/0/type: only perspective");
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"panoramic","panoramic":{"yfov":1})"));
+  expect_refused("a.glb", "/cameras/0/type");
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"orthographic","orthographic":{"xmag":1})"));
+  expect_refused("a.glb", "/cameras/0/orthographic");
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"orthographic","orthographic":{"xmag":1,"ymag":0})"));
+  expect_refused("a.glb", "/cameras/0/orthographic/ymag");
   put(folder_ / "a.glb", gltf.bytes(R"("type":"perspective","perspective":{"yfov":4})"));
   expect_refused("a.glb", "yfov: must be below pi");
   gltf.nodes = "{}";
@@ -287,6 +291,25 @@ TEST_F(CameraFiles, GltfCamerasStandWhereTheirNodesAre) {
   expect_refused("a.glb", "there is no camera in its scene");
   put(folder_ / "a.glb", "glTF");
   expect_refused("a.glb", "");
+}
+
+TEST_F(CameraFiles, GltfCamerasMayBeOrthographic) {
+  GltfCamera gltf;
+  gltf.nodes = R"({"camera":0,"translation":[1,2,3]})";
+  put(folder_ / "a.glb", gltf.bytes(R"("type":"orthographic","orthographic":{"xmag":3,"ymag":1.5})"));
+  const SceneFile file = read("a.glb");
+  const CameraTrack& camera = file.scene().camera;
+  EXPECT_TRUE(camera.orthographic);
+  // On 480 px of height there are 3 world units, x to the right and y up, at any depth.
+  const Projection film = projection_of(file.scene().film, camera.at(1.0));
+  EXPECT_TRUE(film.orthographic);
+  for (const double depth : {1.0, 50.0}) {
+    const Vector3d p =
+        camera.at(1.0).camera_from_world.linear() * (Vector3d(1.5, 2.25, 3.0 - depth) - camera.at(1.0).eye);
+    EXPECT_NEAR(film.center_x + film.focal_px * p.x() / film.divisor(p.z()), 320.0 + 160.0 * 0.5, 1e-9);
+    EXPECT_NEAR(film.center_y + film.focal_px * p.y() / film.divisor(p.z()), 240.0 - 160.0 * 0.25, 1e-9);
+    EXPECT_NEAR(p.z(), depth, 1e-12);
+  }
 }
 
 TEST_F(CameraFiles, GltfAnimationsAreFollowed) {

@@ -161,5 +161,44 @@ TEST(ExrCamera, HasTheStandardsAxes) {
   EXPECT_EQ(write_exr(folder / "a.exr", image, metadata).error().field, "lens");
 }
 
+/// Parallel rays: a point is where it is whatever its depth, and worldToNDC divides by nothing.
+TEST(ExrCamera, ReprojectsThroughAnOrthographicCamera) {
+  const TemporaryFolder folder;
+  for (const double z : {1.0, -40.0}) {
+    put(folder / "p.xyz", "0.3 -0.8 " + std::to_string(z) + '\n');
+    put(folder / "scene.json", R"({"swept": 1, "camera": {"height": 4,
+      "keys": [{"eye": [0.1, 0, 6], "target": [0.1, 0, 0]}]}, "shutter": {"open": 0, "close": 0},
+      "objects": [{"source": {"file": "p.xyz"}, "radius": 0.02}]})");
+    const std::string image_path = folder / "a.exr";
+    const test::Outcome outcome =
+        test::run_command(std::string(SWEPT_COMMAND) + " render '" + folder / "scene.json" + "' -o '" +
+                          image_path + "' --overwrite --size 320x200");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Imf::InputFile file(image_path.c_str(), 0);
+    const Imf::Header& header = file.header();
+    const Imath::V3f world(0.3f, -0.8f, static_cast<float>(z));
+    const Imath::V3f ndc = world * Imf::worldToNDC(header), eye = world * Imf::worldToCamera(header);
+    // 50 px a unit.
+    const double x = 160.0 + 50.0 * 0.2, y = 100.0 + 50.0 * 0.8;
+    EXPECT_NEAR(double{ndc.x} * 320.0, x, 1e-3);
+    EXPECT_NEAR(double{ndc.y} * 200.0, y, 1e-3);
+    EXPECT_NEAR(double{eye.z}, 6.0 - z, 1e-4);
+    EXPECT_NEAR(header.screenWindowWidth(), 320.0 / 50.0, 1e-5);
+    EXPECT_EQ(header.findTypedAttribute<Imf::FloatAttribute>("fieldOfView"), nullptr);
+    const Result<Image> image = read_exr(image_path);
+    ASSERT_TRUE(image.ok());
+    double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
+    for (std::size_t k = 0; k < image->pixel_count(); ++k) {
+      const double alpha = image->rgba[4 * k + 3];
+      sum += alpha;
+      sum_x += alpha * (static_cast<double>(k % 320) + 0.5);
+      sum_y += alpha * (static_cast<double>(k / 320) + 0.5);
+    }
+    ASSERT_GT(sum, 0.0);
+    EXPECT_NEAR(sum_x / sum, x, 0.15);
+    EXPECT_NEAR(sum_y / sum, y, 0.15);
+  }
+}
+
 }  // namespace
 }  // namespace swept

@@ -34,13 +34,21 @@ std::string sides_text(const ObjectPlan& plan) {
   return fmt::format("two sides of {} of {} points", plan.oriented, plan.points);
 }
 
+std::string lens_text(const ObjectPlan& plan) {
+  if (plan.lens_points <= 1) return "no lens";
+  return fmt::format(plan.lens_given
+                         ? "a lens of {} points"
+                         : "a lens of as many points as the error takes, or {} where none is asked for",
+                     plan.lens_points);
+}
+
 }  // namespace
 
 std::string ObjectPlan::text() const {
   std::string moves = fmt::format("{} ({})", motion, why);
   if (motion == "curved") moves += fmt::format(" in {} segments", segments);
   return fmt::format("{}, {}, {}, {}", moves, layered ? "layered" : "opaque", sides_text(*this),
-                     lens_points > 1 ? fmt::format("a lens of {} points", lens_points) : "no lens");
+                     lens_text(*this));
 }
 
 nlohmann::ordered_json ObjectPlan::json() const {
@@ -80,6 +88,7 @@ std::vector<ObjectPlan> effect_plan(const Scene& scene) {
     plan.oriented = static_cast<std::size_t>(
         std::count_if(cloud.oriented.begin(), cloud.oriented.end(), [](auto known) { return known != 0; }));
     plan.lens_points = lens;
+    plan.lens_given = scene.camera.aperture.samples > 0;
     plans.push_back(std::move(plan));
   }
   return plans;

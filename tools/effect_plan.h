@@ -22,6 +22,8 @@ struct ObjectPlan {
   bool one_sided = false;                ///< the front alone is seen
   std::size_t points = 0, oriented = 0;  ///< and those of them whose front and back are two surfaces
   int lens_points = 1;                   ///< that all of it is seen through; 1: no lens
+  /// Otherwise the sampled engine takes as many as the error asked for does, and that number with --samples.
+  bool lens_given = false;
 
   /// "straight (its transform), opaque, two sides, no lens".
   [[nodiscard]] std::string text() const;

@@ -55,10 +55,15 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
              camera.moves ? "moves while the shutter is open" : "stands still");
   fmt::print("  eye     {}\n  right   {}\n  down    {}\n  forward {}\n", text_of(camera.eye),
              text_of(camera.right), text_of(camera.down), text_of(camera.forward));
-  fmt::print("  fov     {:.6g} degrees horizontal, {:.6g} vertical; near {:.6g} world units\n",
-             camera.fov_x_degrees, camera.fov_y_degrees, camera.near);
-  fmt::print("  lens    focal lengths {:.6g} and {:.6g} px, principal point at {:.6g}, {:.6g}\n",
-             camera.focal_px.x(), camera.focal_px.y(), camera.center_px.x(), camera.center_px.y());
+  if (camera.height > 0.0)
+    fmt::print("  view    orthographic, {:.6g} world units high; near {:.6g} world units\n", camera.height,
+               camera.near);
+  else
+    fmt::print("  fov     {:.6g} degrees horizontal, {:.6g} vertical; near {:.6g} world units\n",
+               camera.fov_x_degrees, camera.fov_y_degrees, camera.near);
+  fmt::print("  lens    {} {:.6g} and {:.6g} px, principal point at {:.6g}, {:.6g}\n",
+             camera.height > 0.0 ? "a world unit is" : "focal lengths", camera.focal_px.x(),
+             camera.focal_px.y(), camera.center_px.x(), camera.center_px.y());
   fmt::print("objects   {}, lengths in world units\n", report.objects.size());
   for (const ObjectReport& object : report.objects) {
     fmt::print("  {}\n", printable(object.name));
@@ -125,6 +130,7 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
                  {"forward", json_of(camera.forward)},
                  {"fov_x_degrees", camera.fov_x_degrees},
                  {"fov_y_degrees", camera.fov_y_degrees},
+                 {"height", camera.height},
                  {"focal_px", {camera.focal_px.x(), camera.focal_px.y()}},
                  {"center_px", {camera.center_px.x(), camera.center_px.y()}},
                  {"near", camera.near},

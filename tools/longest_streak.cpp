@@ -33,8 +33,9 @@ class Projector {
                                            : surfel_at(object.cloud, i, frame_).position);
     const Eigen::Vector3d p = lens_ * (camera_.camera_from_world.linear() * (world - camera_.eye));
     if (!(p.z() >= near_)) return std::nullopt;
-    Place place{{projection_.center_x + projection_.focal_px * p.x() / p.z(),
-                 projection_.center_y + projection_.focal_px * p.y() / p.z()}};
+    const double divisor = projection_.divisor(p.z());
+    Place place{{projection_.center_x + projection_.focal_px * p.x() / divisor,
+                 projection_.center_y + projection_.focal_px * p.y() / divisor}};
     const double x = place.pixel.x() - film_.window_x(), y = place.pixel.y() - film_.window_y();
     place.in_window = x >= 0.0 && y >= 0.0 && x < film_.window_width() && y < film_.window_height();
     return place;

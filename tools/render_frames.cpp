@@ -33,6 +33,7 @@ ImageMetadata metadata_of(const Scene& scene, const std::string& scene_hash, std
   metadata.world_to_camera = camera.camera_from_world.matrix();
   metadata.tan_half_fov_y = camera.tan_half_fov_y;
   metadata.lens = camera.lens;
+  metadata.orthographic = camera.orthographic;
   metadata.near = scene.camera.near;
   metadata.scene_hash = scene_hash;
   metadata.whole_hash = std::move(whole_hash);

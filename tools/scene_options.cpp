@@ -163,6 +163,7 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
           "COLMAP's folder of cameras.txt and images.txt, or from glTF; its frames are those from 1 on")
       ->type_name("FILE")
       ->group(scene_group);
+  add_camera_options(command, overrides->camera);
   add_up_option(command, overrides->up,
                 "Which way is up, for points without a scene file and look-at cameras");
   command.get_option("--up")->group(scene_group);
@@ -196,7 +197,8 @@ int report_scene_error(const char* command, const Error& error, const SceneOverr
   const auto about = [&](const auto& given) { return given.first.starts_with(error.field); };
   const bool said =
       !error.field.empty() && std::any_of(overrides.fields.begin(), overrides.fields.end(), about);
-  return said ? 2 : 1;
+  const bool about_camera = error.kind == ErrorKind::argument && error.field.starts_with("/camera/");
+  return said || about_camera ? 2 : 1;
 }
 
 }  // namespace swept

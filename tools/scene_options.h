@@ -15,6 +15,9 @@ namespace swept {
 /// parse errors.
 [[nodiscard]] std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command);
 
+/// --orthographic, --no-lens, --aperture and all else of CameraOverrides.
+void add_camera_options(CLI::App& command, CameraOverrides& wanted);
+
 /// --up: one of the six axes, or three numbers.
 void add_up_option(CLI::App& command, std::optional<Eigen::Vector3d>& up, const char* help);
 

@@ -114,13 +114,15 @@ CameraReport report_camera(const Scene& scene) {
   const auto fov = [&](int axis, double size) {
     return (std::atan((size - center[axis]) / focal[axis]) + std::atan(center[axis] / focal[axis])) * degrees;
   };
+  const bool parallel = camera.orthographic;
   return {camera.eye,
           axes.row(0),
           axes.row(1),
           axes.row(2),
-          fov(0, scene.film.width),
-          fov(1, scene.film.height),
+          parallel ? 0.0 : fov(0, scene.film.width),
+          parallel ? 0.0 : fov(1, scene.film.height),
           scene.camera.near,
+          parallel ? 2.0 * camera.tan_half_fov_y : 0.0,
           focal,
           center,
           !scene.camera.constant_over(open, close)};
@@ -154,7 +156,13 @@ std::vector<std::string> effects_of(const Scene& scene, const SceneReport& repor
   if (const auto n = count([](const ObjectReport& object) { return !object.two_sided; }); n > 0)
     effects.push_back("one-sided culling of " + objects(n));
   if (scene.camera.aperture.radius > 0.0)
-    effects.push_back(fmt::format("depth of field through {} points of the lens", lens_point_count(scene)));
+    effects.push_back(
+        scene.camera.aperture.samples > 0
+            ? fmt::format("depth of field through {} points of the lens", lens_point_count(scene))
+            : fmt::format("depth of field through as many points of the lens as the error takes, "
+                          "or {} where none is asked for",
+                          lens_point_count(scene)));
+  if (scene.camera.orthographic) effects.push_back("parallel rays: the camera is orthographic");
   if (scene.model.filter_radius_px > 0.0)
     effects.push_back(fmt::format("pixel filter of {} px", scene.model.filter_radius_px));
   effects.push_back(scene.model.coverage == Coverage::soft ? "soft silhouettes" : "hard silhouettes");

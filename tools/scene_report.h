@@ -33,6 +33,7 @@ struct ObjectReport {
 struct CameraReport {
   Eigen::Vector3d eye, right, down, forward;                    ///< world space, mid-shutter
   double fov_x_degrees = 0.0, fov_y_degrees = 0.0, near = 0.0;  ///< near in world units
+  double height = 0.0;                  ///< of what an orthographic camera sees, world units; 0: it is none
   Eigen::Vector2d focal_px, center_px;  ///< along x and y; the principal point, from the film's upper left
   bool moves = false;                   ///< during the exposure
 };

@@ -116,12 +116,15 @@ Json lens_schema() {
               {"blades", described(whole(3, 64), "Corners of the opening; by default it is round")},
               {"rotation", described(number(), "Of its first corner, clockwise from the right, degrees")},
               {"samples", described(whole(1, 4096),
-                                    "Points that the lens is looked through; by default eight for each "
-                                    "pixel of the largest circle of confusion, 64 to 1024")}}),
+                                    "Points that the lens is looked through; by default as many as the "
+                                    "error asked for takes, or of other methods eight for each pixel of the "
+                                    "largest circle of confusion, 64 to 1024")}}),
       "Depth of field by a thin lens");
 }
 
 Json camera_schema() {
+  const char* const height_help =
+      "Of what the film shows, world units, in place of fov: the camera is orthographic";
   const Json matrix = any_of({list(number(), 16, 16), list(list(number(), 4, 4), 4, 4)});
   const Json key =
       object({{"frame", described(frame(), "Increasing from key to key; a lone key may leave it out")},
@@ -132,9 +135,11 @@ Json camera_schema() {
               {"matrix", described(matrix, "Camera to world, row by row, instead of eye and target")},
               {"fov", fov_schema()},
               {"intrinsics", intrinsics_schema()},
+              {"height", described(positive(), height_help)},
               {"focus", described(positive(), "Depth that is in focus, world units; goes with a lens")}});
   return described(object({{"fov", fov_schema()},
                            {"intrinsics", intrinsics_schema()},
+                           {"height", described(positive(), height_help)},
                            {"near", described(positive(), "Depth below which nothing is seen")},
                            {"lens", lens_schema()},
                            {"keys", list(key, 1), true},

@@ -37,12 +37,13 @@ Eigen::Vector4d texture_at(const Texture& texture, const Eigen::Vector2d& uv) {
   return sum;
 }
 
-/// Möller and Trumbore 1997. The viewing ray begins at the eye.
-std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Eigen::Vector3d& ray, double near) {
+/// Möller and Trumbore 1997.
+std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Ray& viewing, double near) {
+  const Eigen::Vector3d& ray = viewing.direction;
   const Eigen::Vector3d e1 = p[1] - p[0], e2 = p[2] - p[0], h = ray.cross(e2);
   const double a = e1.dot(h);
   if (a == 0.0) return std::nullopt;
-  const Eigen::Vector3d from = -p[0];
+  const Eigen::Vector3d from = viewing.from - p[0];
   const double u = from.dot(h) / a;
   if (!(u >= 0.0 && u <= 1.0)) return std::nullopt;
   const Eigen::Vector3d q = from.cross(e1);
@@ -79,12 +80,13 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
       in_front = in_front && corners.at[i].z() > near_;
       const Eigen::Array2d film_at =
           Eigen::Array2d(projection_.center_x, projection_.center_y) +
-          projection_.focal_px * corners.at[i].head<2>().array() / corners.at[i].z();
+          projection_.focal_px * corners.at[i].head<2>().array() / projection_.divisor(corners.at[i].z());
       low = low.min(film_at);
       high = high.max(film_at);
     }
     const Eigen::Vector3d normal = (corners.at[1] - corners.at[0]).cross(corners.at[2] - corners.at[0]);
-    const bool front = (normal.dot(corners.at[0]) < 0.0) != mirrored;
+    const double away = projection_.orthographic ? normal.z() : normal.dot(corners.at[0]);
+    const bool front = (away < 0.0) != mirrored;
     if (!object.two_sided && !front) continue;
     // What reaches behind the eye may be anywhere.
     const auto pixel = [](double v, int begin, int end) {
@@ -108,9 +110,12 @@ void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
   std::vector<Hit> hits[pixel_places];
   std::size_t most = 0;
   for (int k = 0; k < pixel_places; ++k) {
-    const Eigen::Vector3d ray(
-        (x + 0.5 + double{places_in_pixel.x[k]} - projection_.center_x) / projection_.focal_px,
-        (y + 0.5 + double{places_in_pixel.y[k]} - projection_.center_y) / projection_.focal_px, 1.0);
+    const double ray_x =
+        (x + 0.5 + double{places_in_pixel.x[k]} - projection_.center_x) / projection_.focal_px;
+    const double ray_y =
+        (y + 0.5 + double{places_in_pixel.y[k]} - projection_.center_y) / projection_.focal_px;
+    const Ray ray = projection_.orthographic ? Ray{{ray_x, ray_y, 0.0}, Eigen::Vector3d::UnitZ()}
+                                             : Ray{Eigen::Vector3d::Zero(), {ray_x, ray_y, 1.0}};
     for (const std::uint32_t t : of_row_[static_cast<std::size_t>(y - first_row_)]) {
       const Corners& corners = triangles_[t];
       if (x < corners.box.x_begin || x >= corners.box.x_end) continue;

@@ -150,6 +150,8 @@ PosedScene::PosedScene(const Scene& scene) : scene_(scene), still_(scene) {
 }
 
 const Scene& PosedScene::at(double frame) {
+  // Which may look through another point of its lens.
+  still_.camera = scene_.camera;
   for (std::size_t i = 0; i < scene_.objects.size(); ++i)
     if (scene_.objects[i].cloud.size() > 0) still_.objects[i].cloud = posed(scene_.objects[i].cloud, frame);
   return still_;

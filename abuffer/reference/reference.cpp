@@ -39,6 +39,11 @@ std::vector<reference::MeshAt> meshes_at(const Scene& scene, double tau) {
   return meshes;
 }
 
+bool has_meshes(const Scene& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(),
+                     [](const Object& object) { return !object.triangles.empty(); });
+}
+
 /// Says how many still images of all are done.
 class Progress {
  public:
@@ -58,12 +63,20 @@ class Progress {
 /// Adds the still images at the midpoints of `samples` strata of the shutter. False: stopped on the way.
 bool expose(const Scene& scene, const Source& source, int samples, Progress& progress,
             reference::FrameSum& sum) {
-  for (const Eigen::Vector2d& point : source.lens)
+  // Only meshes through a lens need a scene with another eye.
+  std::optional<Scene> moved;
+  if (scene.camera.aperture.radius > 0.0 && has_meshes(scene)) {
+    moved = scene;
+    moved->camera.aperture = {};
+  }
+  for (const Eigen::Vector2d& point : source.lens) {
+    if (moved) moved->camera.lens_point = point;
     for (int i = 0; i < samples; ++i) {
       const double tau = (i + 0.5) / samples;
-      sum.add(source.kernels_at(tau, point), tau, meshes_at(scene, tau));
+      sum.add(source.kernels_at(tau, point), tau, meshes_at(moved ? *moved : scene, tau));
       if (!progress.one_more()) return false;
     }
+  }
   return true;
 }
 
@@ -264,8 +277,6 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
                                   [](const Object& object) { return object.splats.size() > 0; });
   if (splats) {
     if (Status status = control.validate(); !status) return status.error();
-    if (Status status = refuse_lens(scene, "the reference of Gaussian splats"); !status)
-      return status.error();
     return without_throwing("to render the frame", [&]() -> Result<Rendered> {
       return render_overscan(scene, [&](const Scene& on_film) {
         return render_splat_reference(on_film, {options.samples, control.threads}, control);
@@ -274,7 +285,6 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
   }
   return render_valid(scene, options, control, [&](const Scene& on_film, const auto&...) -> Result<Rendered> {
     if (on_film.camera.aperture.radius > 0.0) {
-      if (Status status = refuse_triangles(on_film, "a lens"); !status) return status.error();
       if (Status status = refuse_row_delay(on_film, "a lens"); !status) return status.error();
     }
     if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)

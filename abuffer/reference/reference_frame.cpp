@@ -41,8 +41,12 @@ PixelBox bounding_box(const Eigen::Vector3d& center, const Eigen::Vector3d& axis
   const Eigen::Vector3d low = center - half, high = center + half;
   if (high.z() < near) return {};
   const double nearest = std::max(low.z(), near), farthest = high.z();
-  const auto tangent_low = [&](int axis) { return std::min(low[axis] / nearest, low[axis] / farthest); };
-  const auto tangent_high = [&](int axis) { return std::max(high[axis] / nearest, high[axis] / farthest); };
+  const auto tangent_low = [&](int axis) {
+    return projection.orthographic ? low[axis] : std::min(low[axis] / nearest, low[axis] / farthest);
+  };
+  const auto tangent_high = [&](int axis) {
+    return projection.orthographic ? high[axis] : std::max(high[axis] / nearest, high[axis] / farthest);
+  };
   const auto [x_begin, x_end] =
       pixel_span(projection.center_x + projection.focal_px * tangent_low(0),
                  projection.center_x + projection.focal_px * tangent_high(0), window.x_begin, window.x_end);
@@ -86,9 +90,11 @@ Surface blend(std::span<const Fragment> fragments, const ImageModel& model) {
 
 }  // namespace
 
-Eigen::Vector3d ray_through(const Projection& projection, int x, int y) {
-  return {(x + 0.5 - projection.center_x) / projection.focal_px,
-          (y + 0.5 - projection.center_y) / projection.focal_px, 1.0};
+Ray ray_through(const Projection& projection, int x, int y) {
+  const Eigen::Vector2d on_film((x + 0.5 - projection.center_x) / projection.focal_px,
+                                (y + 0.5 - projection.center_y) / projection.focal_px);
+  if (projection.orthographic) return {{on_film.x(), on_film.y(), 0.0}, Eigen::Vector3d::UnitZ()};
+  return {Eigen::Vector3d::Zero(), {on_film.x(), on_film.y(), 1.0}};
 }
 
 Disc place(const MovingKernel& kernel, double tau, const Projection& projection, double near,
@@ -111,17 +117,17 @@ Disc place(const MovingKernel& kernel, double tau, const Projection& projection,
   return disc;
 }
 
-std::optional<Fragment> meet(const Disc& disc, const Eigen::Vector3d& ray, double near, double delta) {
-  if (!disc.facing.isZero(0.0) && !(disc.facing.dot(ray) < 0.0)) return std::nullopt;
-  const double slope = disc.normal.dot(ray);
+std::optional<Fragment> meet(const Disc& disc, const Ray& ray, double near, double delta) {
+  if (!disc.facing.isZero(0.0) && !(disc.facing.dot(ray.direction) < 0.0)) return std::nullopt;
+  const double slope = disc.normal.dot(ray.direction);
   if (slope == 0.0) return std::nullopt;
-  const double depth = disc.plane / slope;
+  const double depth = (disc.plane - disc.normal.dot(ray.from)) / slope;
   if (!(depth >= near)) return std::nullopt;
-  const Eigen::Vector3d from_center = depth * ray - disc.center;
+  const Eigen::Vector3d from_center = ray.from + depth * ray.direction - disc.center;
   const double u = disc.dual_u.dot(from_center), v = disc.dual_v.dot(from_center);
   const double radius_squared = u * u + v * v;
   if (!(radius_squared <= 1.0)) return std::nullopt;
-  const int side = disc.outside.isZero(0.0) ? 0 : disc.outside.dot(ray) < 0.0 ? 1 : -1;
+  const int side = disc.outside.isZero(0.0) ? 0 : disc.outside.dot(ray.direction) < 0.0 ? 1 : -1;
   return Fragment{depth, disc.weight * std::exp(-delta * radius_squared), &disc, side};
 }
 

@@ -56,16 +56,19 @@ struct PixelSum {
   double alpha_depth = 0.0;
 };
 
-/// The viewing ray through the centre of pixel (x, y): depth is its parameter.
-[[nodiscard]] Eigen::Vector3d ray_through(const Projection& projection, int x, int y);
+/// A viewing ray: from + depth · direction, camera space.
+struct Ray {
+  Eigen::Vector3d from, direction;
+};
+/// The one through the centre of pixel (x, y).
+[[nodiscard]] Ray ray_through(const Projection& projection, int x, int y);
 
 /// The kernel at shutter time `tau`, its box within `window`; the box is empty if the kernel does not exist
 /// at that time, has no area, or is nearer than `near` throughout.
 [[nodiscard]] Disc place(const MovingKernel& kernel, double tau, const Projection& projection, double near,
                          const PixelBox& window);
 
-[[nodiscard]] std::optional<Fragment> meet(const Disc& disc, const Eigen::Vector3d& ray, double near,
-                                           double delta);
+[[nodiscard]] std::optional<Fragment> meet(const Disc& disc, const Ray& ray, double near, double delta);
 
 /// Sorts the fragments of one pixel into an order that depends on their content alone, groups them into
 /// surfaces, and appends these and `others` to `seen`, the first in front.

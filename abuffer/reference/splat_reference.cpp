@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "abuffer/reference/splat_formulas.h"
 #include "abuffer/reference/surfaces_at.h"
 #include "abuffer/render_valid.h"
+#include "splat/lens_points.h"
 
 namespace swept {
 namespace {
@@ -171,11 +173,15 @@ void Frame::see(const Object& object, const View& view, double frame) {
     if (!(seen.depth > model_.near)) continue;
     const Matrix3d axes =
         camera_from_object * rotation.toRotationMatrix() * cloud.scale[i].cast<double>().asDiagonal();
-    seen.center = {view.center_x + view.focal_x * seen.at.x() / seen.depth,
-                   view.center_y + view.focal_y * seen.at.y() / seen.depth};
+    const double divisor = view.camera.orthographic ? 1.0 : seen.depth;
+    seen.center = {view.center_x + view.focal_x * seen.at.x() / divisor,
+                   view.center_y + view.focal_y * seen.at.y() / divisor};
     if (!(cloud.flat ? place_disc(axes, view, seen) : project(axes, cloud, view, seen))) continue;
+    // All rays of an orthographic camera run one way.
+    const Vector3d looking =
+        view.camera.orthographic ? Vector3d(view.camera.camera_from_world.linear().row(2)) : from_eye;
     const std::array<double, 16> basis =
-        reference::harmonics_towards((turn.transpose() * from_eye).stableNormalized());
+        reference::harmonics_towards((turn.transpose() * looking).stableNormalized());
     const float* harmonics = cloud.harmonics.data() + 3 * coefficients * i;
     for (int c = 0; c < 3; ++c) {
       double value = 0.5;
@@ -200,6 +206,7 @@ bool Frame::project(const Matrix3d& axes, const SplatCloud& cloud, const View& v
   const double y = held(seen.at.y() / z, view.center_y, image_.film_height, view.focal_y);
   Eigen::Matrix<double, 2, 3> jacobian;
   jacobian << view.focal_x / z, 0.0, -view.focal_x * x / z, 0.0, view.focal_y / z, -view.focal_y * y / z;
+  if (view.camera.orthographic) jacobian << view.focal_x, 0.0, 0.0, 0.0, view.focal_y, 0.0;
   const Eigen::Matrix<double, 2, 3> on_film = jacobian * axes;
   const Matrix2d before = on_film * on_film.transpose();
   const Matrix2d covariance = before + model_.dilation_px2 * Matrix2d::Identity();
@@ -251,6 +258,14 @@ double Frame::distance_squared(const Seen& seen, const View& view, int x, int y)
   const double screen = 2.0 * offset.squaredNorm();
   const Vector3d ray((pixel.x() - view.center_x) / view.focal_x, (pixel.y() - view.center_y) / view.focal_y,
                      1.0);
+  if (view.camera.orthographic) {
+    // The ray is (x, y, z) for all z, and its disc in front where its mean is.
+    if (seen.normal.z() == 0.0) return screen;
+    const double x_off = ray.x() - seen.at.x(), y_off = ray.y() - seen.at.y();
+    const Vector3d off(x_off, y_off, -(seen.normal.x() * x_off + seen.normal.y() * y_off) / seen.normal.z());
+    const double u = seen.dual_u.dot(off), v = seen.dual_v.dot(off);
+    return std::min(screen, u * u + v * v);
+  }
   const double along = seen.normal.dot(ray);
   if (along == 0.0) return screen;
   const double depth = seen.normal.dot(seen.at) / along;
@@ -381,17 +396,28 @@ Status validate(const Scene& scene, const SplatReferenceOptions& options) {
 Rendered render(const Scene& scene, const SplatReferenceOptions& options, const RenderControl& control) {
   const Exposure exposure = scene.exposure();
   const int samples = exposure.instant() ? 1 : options.samples;
-  Frame sum(scene, control.stop);
-  ProgressOf progress(control, static_cast<std::size_t>(samples));
-  for (int i = 0; i < samples; ++i) {
-    sum.add(exposure.at((i + 0.5) / samples));
-    progress.one_more();
+  // Through each point of a lens all of these stills, from an eye there.
+  std::optional<Scene> moved;
+  if (scene.camera.aperture.radius > 0.0) {
+    moved = scene;
+    moved->camera.aperture = {};
+  }
+  const std::vector<Eigen::Vector2d> lens = lens_points(scene.camera.aperture, lens_point_count(scene));
+  Frame sum(moved ? *moved : scene, control.stop);
+  ProgressOf progress(control, lens.size() * static_cast<std::size_t>(samples));
+  for (const Eigen::Vector2d& point : lens) {
+    if (moved) moved->camera.lens_point = point;
+    for (int i = 0; i < samples; ++i) {
+      sum.add(exposure.at((i + 0.5) / samples));
+      progress.one_more();
+    }
   }
   Rendered rendered;
   rendered.image = sum.mean();
   double splats = 0.0;
   for (const Object& object : scene.objects) splats += static_cast<double>(object.splats.size());
   rendered.statistics.count("samples", samples);
+  if (moved) rendered.statistics.count("lens_points", static_cast<double>(lens.size()));
   rendered.statistics.count("splats", splats);
   rendered.statistics.count("fragments", static_cast<double>(sum.fragments()));
   rendered.statistics.effect(samples == 1 ? "motion blur: skipped, for the shutter is closed or one sample"

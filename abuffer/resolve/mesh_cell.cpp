@@ -74,10 +74,12 @@ void MeshCell::draw_row(const PlacedTriangle& placed, int x_begin, int x_end, in
 
 /// One pixel's surfaces, from the nearest: the k-th is what the places meet as their k-th, as a share of the
 /// light that those before it let through.
-void MeshCell::shade(const Texture* texture, const Cell& cell, std::size_t begin, std::size_t end,
+void MeshCell::shade(const MeshInstant& mesh, const Cell& cell, std::size_t begin, std::size_t end,
                      std::vector<SampledCell::Surface>& surfaces) const {
+  const Texture* const texture = mesh.object().texture.get();
   const int x = sorted_[begin].pixel % cell_px, y = sorted_[begin].pixel / cell_px;
   const double film_x = cell.x + x + 0.5, film_y = cell.y + y + 0.5;
+  const bool parallel = mesh.projection().orthographic;
   MeshLayer last, next;
   std::fill(last.inverse_depth, last.inverse_depth + pixel_places, std::numeric_limits<float>::infinity());
   std::fill(last.triangle, last.triangle + pixel_places, -1.0f);
@@ -97,7 +99,9 @@ void MeshCell::shade(const Texture* texture, const Cell& cell, std::size_t begin
       constexpr float per_place = 1.0f / pixel_places;
       const float share = light[k] * per_place, alpha = colors.rgba[3][k];
       for (std::size_t c = 0; c < 4; ++c) seen[c] += share * colors.rgba[c][k];
-      if (alpha > 0.0f) depth += share * alpha / next.inverse_depth[k];
+      if (alpha > 0.0f)
+        depth += parallel ? share * alpha * mesh.depth_of(next.inverse_depth[k])
+                          : share * alpha / next.inverse_depth[k];
       light[k] *= 1.0f - alpha;
       after += light[k] * per_place;
     }
@@ -133,7 +137,7 @@ void MeshCell::add(const MeshInstant& mesh, const Cell& cell, std::size_t index,
   for (const MeshFragment& fragment : fragments_) sorted_[starts_[fragment.pixel]++] = fragment;
   for (std::size_t begin = 0; begin < sorted_.size();) {
     const std::size_t end = starts_[sorted_[begin].pixel];
-    shade(mesh.object().texture.get(), cell, begin, end, surfaces);
+    shade(mesh, cell, begin, end, surfaces);
     begin = end;
   }
 }

@@ -22,7 +22,7 @@ class MeshCell {
  private:
   void draw(const PlacedTriangle& placed, const FilmBox& box, const Cell& cell);
   void draw_row(const PlacedTriangle& placed, int x_begin, int x_end, int y, const Cell& cell);
-  void shade(const Texture* texture, const Cell& cell, std::size_t begin, std::size_t end,
+  void shade(const MeshInstant& mesh, const Cell& cell, std::size_t begin, std::size_t end,
              std::vector<SampledCell::Surface>& surfaces) const;
 
   const MeshMath& math_;

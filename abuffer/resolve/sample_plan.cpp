@@ -73,7 +73,7 @@ void ErrorEstimate::foresee(double squares) {
 /// `falls_by`: F²(N/2) over F²(N/4).
 void ErrorEstimate::extrapolate(double falls_by, int count) {
   const double least_fall = count < least_.few ? least_.of_few : least_.of;
-  const double share = multiples * std::clamp(falls_by, least_fall, 1.0);
+  const double share = multiples * std::clamp(falls_by, least_fall, least_.most);
   squares_ = alternating_ * share;
   per_alternating_ = share / (double{1.0} * count * count);
 }

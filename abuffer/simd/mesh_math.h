@@ -23,7 +23,7 @@ struct PlacedTriangle {
   Linear edge[3];
   bool owns[3];          ///< places that lie on the edge
   float weight[3];       ///< times that: in proportion to the corner's share of the colour
-  Linear inverse_depth;  ///< 1/z
+  Linear inverse_depth;  ///< 1/z; of an orthographic camera what z is short of a depth behind all of the mesh
   float most_inverse;    ///< where 1/z is 0 or less or exceeds that, the near plane has cut the triangle off
   bool cut;              ///< that may happen
   bool plain;            ///< all corners have the first one's colour

@@ -32,8 +32,8 @@ struct PacketPoints {
 
 /// Where a packet's origin is at an instant: camera space, and the film.
 struct PacketPlace {
-  float depth;                   ///< z, > 0
-  float tangent_x, tangent_y;    ///< x/z, y/z
+  float depth;                   ///< z, > 0 but for an orthographic camera
+  float tangent_x, tangent_y;    ///< x/z, y/z; an orthographic camera needs none
   int pixel_x, pixel_y;          ///< the pixel it projects into
   float fraction_x, fraction_y;  ///< and where in it, [0, 1)
 };
@@ -43,6 +43,7 @@ struct ObjectPlace {
   float linear[9];  ///< from object to camera space, row by row
   float mirrored;   ///< −1 where that turns outside in, else 1
   bool one_sided;
+  bool orthographic;
   float focal_px;
   float near;
   float filter_px;  ///< radius
@@ -52,7 +53,8 @@ struct ObjectPlace {
 };
 
 /// Sixteen discs at an instant. With (dx, dy) a pixel's centre seen from the disc's own, in pixels,
-///   W = 1 − gx·dx − gy·dy,   u = (ux·dx + uy·dy) / W,   v = vy·dy / W,   z = depth / W.
+///   W = 1 − gx·dx − gy·dy,   u = (ux·dx + uy·dy) / W,   v = vy·dy / W,   z = depth / W,
+/// and of an orthographic camera W = 1 and z = depth + gx·dx + gy·dy.
 struct PlacedPacket {
   float pixel_x[packet_size], pixel_y[packet_size];  ///< whole numbers: dx = (x − pixel_x) + center_x
   float center_x[packet_size], center_y[packet_size];
@@ -103,7 +105,8 @@ struct SurfaceRule {
   float edge_weight;
   float near;
   bool hard;
-  bool sides;  ///< whether front and back are told apart anywhere
+  bool sides;         ///< whether front and back are told apart anywhere
+  bool orthographic;  ///< as the camera is
 };
 
 /// 1 front, −1 back, 0 not known: two are of one surface where the product is not negative, and of equally

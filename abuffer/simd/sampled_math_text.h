@@ -87,14 +87,21 @@ struct Met {
 };
 
 /// `x` and `y` are whole pixels from the disc's own.
+template <bool parallel>
 SWEPT_LANE Met meet(const Disc& disc, Vector x, Vector y, Vector near) {
   const Vector dx = x + disc.center_x, dy = y + disc.center_y;
-  const Vector w = (all(1.0f) - disc.gx * dx) - disc.gy * dy;
-  const Vector inverse = all(1.0f) / w;
-  const Vector u = (disc.ux * dx + disc.uy * dy) * inverse, v = (disc.vy * dy) * inverse;
   Met met;
-  met.radius_squared = u * u + v * v;
-  met.depth = disc.depth * inverse;
+  if (parallel) {
+    const Vector u = disc.ux * dx + disc.uy * dy, v = disc.vy * dy;
+    met.radius_squared = u * u + v * v;
+    met.depth = disc.depth + (disc.gx * dx + disc.gy * dy);
+  } else {
+    const Vector w = (all(1.0f) - disc.gx * dx) - disc.gy * dy;
+    const Vector inverse = all(1.0f) / w;
+    const Vector u = (disc.ux * dx + disc.uy * dy) * inverse, v = (disc.vy * dy) * inverse;
+    met.radius_squared = u * u + v * v;
+    met.depth = disc.depth * inverse;
+  }
   met.inside = (met.radius_squared <= all(1.0f)) & (near <= met.depth);
   return met;
 }
@@ -128,7 +135,21 @@ SWEPT_LANE void for_each_lane(const PlacedPacket& placed, std::uint32_t lanes, i
   }
 }
 
-template <class Block, bool sides>
+template <bool truth>
+struct Known {
+  static constexpr bool value = truth;
+};
+
+/// Calls run(sides, parallel), known to the compiler.
+template <class Run>
+SWEPT_LANE void by_rule(const SurfaceRule& rule, const Run& run) {
+  if (rule.orthographic)
+    rule.sides ? run(Known<true>{}, Known<true>{}) : run(Known<false>{}, Known<true>{});
+  else
+    rule.sides ? run(Known<true>{}, Known<false>{}) : run(Known<false>{}, Known<false>{});
+}
+
+template <class Block, bool sides, bool parallel>
 SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const Span& span, int x_film,
                                     int y_film, float near, CellBuffers& cell) {
   const Disc disc(placed, lane);
@@ -137,7 +158,7 @@ SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const 
   for_each_block<Block>(
       span, static_cast<float>(x_film) - placed.pixel_x[lane],
       static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
-        const Met met = meet(disc, x, y, near_plane);
+        const Met met = meet<parallel>(disc, x, y, near_plane);
         const Vector front = Block::load_from(cell.front + pixel, part);
         const Vector limit = Block::load_from(cell.limit + pixel, part);
         Mask nearer = met.inside & (met.depth < front), equal = met.inside & (met.depth == front);
@@ -155,27 +176,27 @@ SWEPT_LANE void bring_disc_to_front(const PlacedPacket& placed, int lane, const 
       });
 }
 
-template <bool sides>
+template <bool sides, bool parallel>
 SWEPT_LANE void bring_discs_to_front(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
                                      int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
-      bring_disc_to_front<Block4x4, sides>(placed, lane, span, x_film, y_film, rule.near, cell);
+      bring_disc_to_front<Block4x4, sides, parallel>(placed, lane, span, x_film, y_film, rule.near, cell);
     else
-      bring_disc_to_front<Block8x2, sides>(placed, lane, span, x_film, y_film, rule.near, cell);
+      bring_disc_to_front<Block8x2, sides, parallel>(placed, lane, span, x_film, y_film, rule.near, cell);
   });
 }
 
 inline void bring_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
                                 int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
-  if (rule.sides)
-    bring_discs_to_front<true>(placed, lanes, x_film, y_film, width, height, rule, cell);
-  else
-    bring_discs_to_front<false>(placed, lanes, x_film, y_film, width, height, rule, cell);
+  by_rule(rule, [&](auto sides, auto parallel) {
+    bring_discs_to_front<sides.value, parallel.value>(placed, lanes, x_film, y_film, width, height, rule,
+                                                      cell);
+  });
 }
 
-template <class Block, bool sides>
+template <class Block, bool sides, bool parallel>
 SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Span& span, int x_film,
                                   int y_film, const SurfaceRule& rule, CellBuffers& cell) {
   const Disc disc(placed, lane);
@@ -185,7 +206,7 @@ SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Sp
   for_each_block<Block>(
       span, static_cast<float>(x_film) - placed.pixel_x[lane],
       static_cast<float>(y_film) - placed.pixel_y[lane], [&](int pixel, Vector x, Vector y, int part) {
-        const Met met = meet(disc, x, y, near_plane);
+        const Met met = meet<parallel>(disc, x, y, near_plane);
         Mask counts = met.inside & (met.depth <= Block::load_from(cell.limit + pixel, part));
         if (sides) counts = counts & (all(0.0f) <= own * Block::load_from(cell.side + pixel, part));
         if (vector_lanes > 1 && bits(counts) == 0) return;
@@ -202,29 +223,30 @@ SWEPT_LANE void add_disc_to_front(const PlacedPacket& placed, int lane, const Sp
       });
 }
 
-template <bool sides>
+template <bool sides, bool parallel>
 SWEPT_LANE void add_discs_to_front(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
                                    int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
     if (prefers_4x4(span))
-      add_disc_to_front<Block4x4, sides>(placed, lane, span, x_film, y_film, rule, cell);
+      add_disc_to_front<Block4x4, sides, parallel>(placed, lane, span, x_film, y_film, rule, cell);
     else
-      add_disc_to_front<Block8x2, sides>(placed, lane, span, x_film, y_film, rule, cell);
+      add_disc_to_front<Block8x2, sides, parallel>(placed, lane, span, x_film, y_film, rule, cell);
   });
 }
 
 inline void add_to_front_text(const PlacedPacket& placed, std::uint32_t lanes, int x_film, int y_film,
                               int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
-  if (rule.sides)
-    add_discs_to_front<true>(placed, lanes, x_film, y_film, width, height, rule, cell);
-  else
-    add_discs_to_front<false>(placed, lanes, x_film, y_film, width, height, rule, cell);
+  by_rule(rule, [&](auto sides, auto parallel) {
+    add_discs_to_front<sides.value, parallel.value>(placed, lanes, x_film, y_film, width, height, rule, cell);
+  });
 }
 
-inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, std::uint32_t first_disc,
-                                    int x_film, int y_film, int width, int height, const SurfaceRule& rule,
-                                    const CellBuffers& cell, FragmentBehind* out) {
+template <bool parallel>
+SWEPT_LANE std::size_t find_discs_behind(const PlacedPacket& placed, std::uint32_t lanes,
+                                         std::uint32_t first_disc, int x_film, int y_film, int width,
+                                         int height, const SurfaceRule& rule, const CellBuffers& cell,
+                                         FragmentBehind* out) {
   std::size_t count = 0;
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!light_reaches(cell, span)) return;
@@ -240,7 +262,7 @@ inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t la
           const Vector limit = Block4x4::load_from(cell.behind + pixel, part);
           const Mask leaks = limit < all(infinity);
           if (bits(leaks) == 0) return;
-          const Met met = meet(disc, x, y, near_plane);
+          const Met met = meet<parallel>(disc, x, y, near_plane);
           Mask behind = limit < met.depth;
           if (rule.sides)
             behind = behind | (leaks & (own * Block4x4::load_from(cell.side + pixel, part) < all(0.0f)));
@@ -258,6 +280,15 @@ inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t la
         });
   });
   return count;
+}
+
+inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t lanes, std::uint32_t first_disc,
+                                    int x_film, int y_film, int width, int height, const SurfaceRule& rule,
+                                    const CellBuffers& cell, FragmentBehind* out) {
+  return rule.orthographic ? find_discs_behind<true>(placed, lanes, first_disc, x_film, y_film, width, height,
+                                                     rule, cell, out)
+                           : find_discs_behind<false>(placed, lanes, first_disc, x_film, y_film, width,
+                                                      height, rule, cell, out);
 }
 
 inline void clear_text(CellBuffers& cell, int height) {

@@ -28,8 +28,12 @@ SWEPT_LANE Triple turned(const float* m, const Triple& v) {
 ///   G = QQᵀ + r²I,   |G| = |Q|² + r² tr(QQᵀ) + r⁴,   g = G⁻¹ Q a_z = (|Q| adj(Q)ᵀ a_z + r² Q a_z) / |G|,
 /// sums of positive terms where it matters. A ray (dx, dy) px from the centre's meets the plane at depth z/W,
 /// W = 1 − g·d, in w = d/W, and wᵀG⁻¹w = u² + v² with u = √(G_yy/|G|) (w_x − G_xy/G_yy w_y), v = w_y/√G_yy.
-inline void place_text(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet,
-                       int x, int y, int width, int height, PlacedPacket& placed) {
+///
+/// Of an orthographic camera depths are in world units, no x or y is divided by them, and a ray meets the
+/// plane in w = d at depth z + g·d.
+template <bool parallel>
+SWEPT_LANE void place_lanes(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet,
+                            int x, int y, int width, int height, PlacedPacket& placed) {
   const Vector left = all(static_cast<float>(x)), right = all(static_cast<float>(x + width));
   const Vector top = all(static_cast<float>(y)), bottom = all(static_cast<float>(y + height));
   std::uint32_t seen = 0, general = 0, back = 0;
@@ -47,10 +51,13 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
     const Triple b = turned(object.linear, {axis(3), axis(4), axis(5)});
 
     const Vector depth = all(packet.depth) + from_origin.z;
-    const Vector inverse = all(1.0f) / depth;
-    const Vector across_x = (from_origin.x - all(packet.tangent_x) * from_origin.z) * inverse;
-    const Vector across_y = (from_origin.y - all(packet.tangent_y) * from_origin.z) * inverse;
-    const Vector tangent_x = all(packet.tangent_x) + across_x, tangent_y = all(packet.tangent_y) + across_y;
+    const Vector inverse = parallel ? all(1.0f) : all(1.0f) / depth;
+    const Vector across_x =
+        parallel ? from_origin.x : (from_origin.x - all(packet.tangent_x) * from_origin.z) * inverse;
+    const Vector across_y =
+        parallel ? from_origin.y : (from_origin.y - all(packet.tangent_y) * from_origin.z) * inverse;
+    const Vector tangent_x = parallel ? all(0.0f) : all(packet.tangent_x) + across_x,
+                 tangent_y = parallel ? all(0.0f) : all(packet.tangent_y) + across_y;
     const Vector from_pixel_x = all(packet.fraction_x) + all(object.focal_px) * across_x;
     const Vector from_pixel_y = all(packet.fraction_y) + all(object.focal_px) * across_y;
     const Vector whole_x = rounded(from_pixel_x), whole_y = rounded(from_pixel_y);
@@ -103,24 +110,27 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
     const Vector flat = (major_across * major_across + minor_across * minor_across) +
                         (major_slope * major_slope + minor_slope * minor_slope);
     const Vector own = ((a.x * a.x + a.y * a.y) + a.z * a.z) + ((b.x * b.x + b.y * b.y) + b.z * b.z);
-    const Vector size = object.filter_px > 0.0f ? depth * root(all(0.5f) * flat) : root(all(0.5f) * own);
+    const Vector unit = parallel ? all(1.0f) : depth;
+    const Vector size = object.filter_px > 0.0f ? unit * root(all(0.5f) * flat) : root(all(0.5f) * own);
     const Vector tolerance = all(object.depth_tolerance) * size;
 
     // Extent of the projected disc: x = w_x / (1 + g·w) at its largest and least.
-    const Vector reach_squared = larger(gx * hx + gy * hy, all(0.0f));
-    const Vector reach = root(reach_squared);
+    const Vector depth_reach_squared = larger(gx * hx + gy * hy, all(0.0f));
+    const Vector reach = root(depth_reach_squared);
+    const Vector reach_squared = parallel ? all(0.0f) : depth_reach_squared;
     const Vector rest = all(1.0f) - reach_squared;
-    const Vector root_x = root(hx * hx + rest * gxx), root_y = root(hy * hy + rest * gyy);
+    const Vector mid_x = parallel ? all(0.0f) : hx, mid_y = parallel ? all(0.0f) : hy;
+    const Vector root_x = root(mid_x * mid_x + rest * gxx), root_y = root(mid_y * mid_y + rest * gyy);
     const Vector padding = all(0.0078125f) + all(1e-5f) * ((root_x + root_y) / rest);
-    const Vector low_x = ((all(0.0f) - hx) - root_x) / rest - padding,
-                 high_x = (root_x - hx) / rest + padding;
-    const Vector low_y = ((all(0.0f) - hy) - root_y) / rest - padding,
-                 high_y = (root_y - hy) / rest + padding;
+    const Vector low_x = ((all(0.0f) - mid_x) - root_x) / rest - padding,
+                 high_x = (root_x - mid_x) / rest + padding;
+    const Vector low_y = ((all(0.0f) - mid_y) - root_y) / rest - padding,
+                 high_y = (root_y - mid_y) / rest + padding;
     const Vector x_begin = pixel_x + (all(0.0f) - floor_of(center_x - low_x));
     const Vector x_end = pixel_x + (floor_of(high_x - center_x) + all(1.0f));
     const Vector y_begin = pixel_y + (all(0.0f) - floor_of(center_y - low_y));
     const Vector y_end = pixel_y + (floor_of(high_y - center_y) + all(1.0f));
-    const Vector nearest = depth * (all(1.0f) - reach);
+    const Vector nearest = parallel ? depth - reach : depth * (all(1.0f) - reach);
 
     // Written so that what is not a number is not simple. What lies much nearer to the eye than its packet's
     // origin has lost its digits in the sum.
@@ -145,16 +155,21 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
                          ((magnitude(b.x) + magnitude(b.y)) + magnitude(b.z))) *
                             inverse +
                         all(object.filter_px / object.focal_px);
-    const Vector most = (all(2.0f * object.focal_px) * wide) *
-                        ((all(1.0f) + magnitude(tangent_x)) + magnitude(tangent_y)) / (all(1.0f) - wide);
-    Mask bounded = (wide < all(0.5f)) & (all(object.near) < depth * (all(1.0f) - wide));
+    const Vector spread = all(2.0f * object.focal_px) * wide;
+    const Vector most =
+        parallel ? spread
+                 : spread * ((all(1.0f) + magnitude(tangent_x)) + magnitude(tangent_y)) / (all(1.0f) - wide);
+    Mask bounded =
+        parallel ? wide <= wide : (wide < all(0.5f)) & (all(object.near) < depth * (all(1.0f) - wide));
     Mask off =
         (pixel_x + most < all(-2.0f)) | (all(static_cast<float>(object.film_width) + 2.0f) < pixel_x - most);
     off = off | (pixel_y + most < all(-2.0f)) |
           (all(static_cast<float>(object.film_height) + 2.0f) < pixel_y - most);
     // Wholly nearer than the near plane.
-    const Mask behind = depth * all(1.0f) + depth * magnitude(wide) < all(object.near);
-    const Mask gone = exact & ((bounded & off) | (behind & (all(0.0f) < depth)));
+    const Mask behind =
+        parallel ? depth + wide < all(object.near)
+                 : (depth * all(1.0f) + depth * magnitude(wide) < all(object.near)) & (all(0.0f) < depth);
+    const Mask gone = parallel ? (bounded & off) | behind : exact & ((bounded & off) | behind);
 
     std::uint32_t mixed = 0;
     if (object.one_sided || points.oriented != 0) {
@@ -165,7 +180,9 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
       const Vector reach_x = larger(magnitude(low_x), magnitude(high_x));
       const Vector reach_y = larger(magnitude(low_y), magnitude(high_y));
       const Vector scale = (magnitude(nx) + magnitude(ny)) + magnitude(nz);
-      const Vector varies = (magnitude(nx) * reach_x + magnitude(ny) * reach_y) * per_px + all(1e-5f) * scale;
+      const Vector turns =
+          parallel ? all(0.0f) : (magnitude(nx) * reach_x + magnitude(ny) * reach_y) * per_px;
+      const Vector varies = turns + all(1e-5f) * scale;
       const Mask not_away = towards - varies < all(0.0f);
       if (object.one_sided) shown = shown & not_away;
       back |= bits(without(shown, not_away)) << lane;
@@ -187,7 +204,7 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
     store(gx, placed.gx + lane);
     store(gy, placed.gy + lane);
     store(depth, placed.depth + lane);
-    store(nearest - all(1e-5f) * nearest, placed.nearest + lane);
+    store(nearest - all(1e-5f) * (parallel ? magnitude(depth) : nearest), placed.nearest + lane);
     store(peak, placed.peak + lane);
     store(tolerance, placed.tolerance + lane);
     store(x_begin, placed.x_begin + lane);
@@ -199,6 +216,14 @@ inline void place_text(const PacketPoints& points, const ObjectPlace& object, co
   placed.general = general & points.lanes;
   placed.back = back & points.oriented;
   placed.front = ~back & points.oriented;
+}
+
+inline void place_text(const PacketPoints& points, const ObjectPlace& object, const PacketPlace& packet,
+                       int x, int y, int width, int height, PlacedPacket& placed) {
+  if (object.orthographic)
+    place_lanes<true>(points, object, packet, x, y, width, height, placed);
+  else
+    place_lanes<false>(points, object, packet, x, y, width, height, placed);
 }
 
 }  // namespace

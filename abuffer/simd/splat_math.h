@@ -36,14 +36,16 @@ struct SplatView {
   float low_x, high_x, low_y, high_y;  ///< x/z and y/z in the Jacobian stay between these
   float dilation_px2, near;
   float least_alpha;
-  bool antialiased, flat;
+  bool antialiased, flat, orthographic;
   int film_width, film_height;
 };
 
 /// Where a packet's origin is at an instant.
 struct SplatOrigin {
-  float x, y, z;                 ///< camera space
-  float tangent_x, tangent_y;    ///< places on the film are counted from the pixel of this direction
+  float x, y, z;  ///< camera space
+  /// Places on the film are counted from the pixel of this direction; 0 of an orthographic camera, which
+  /// counts them from the pixel of a place across.
+  float tangent_x, tangent_y;
   float rest_x, rest_y;          ///< x − tangent_x · z, and the same in y
   int pixel_x, pixel_y;          ///< that pixel
   float fraction_x, fraction_y;  ///< and where in it, [0, 1)

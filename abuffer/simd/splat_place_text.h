@@ -90,7 +90,8 @@ SWEPT_LANE Vector reach_of(Vector over) {
 }
 
 SWEPT_LANE Shape shape_of(const SplatView& view, Lanes3 at, const Lanes3 (&axes)[3], Vector opacity) {
-  const Vector inverse = all(1.0f) / at.z;
+  // Parallel rays: x/z and y/z are held to 0.
+  const Vector inverse = view.orthographic ? all(1.0f) : all(1.0f) / at.z;
   const Vector x = held(at.x * inverse, view.low_x, view.high_x),
                y = held(at.y * inverse, view.low_y, view.high_y);
   const Vector scale_x = all(view.focal_x) * inverse, scale_y = all(view.focal_y) * inverse;
@@ -151,12 +152,14 @@ SWEPT_LANE Shape disc_shape(const SplatView& view, Lanes3 at, const Lanes3 (&axe
     return Lanes3{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
   };
   const auto dot = [](const Lanes3& p, const Lanes3& q) { return (p.x * q.x + p.y * q.y) + p.z * q.z; };
-  const Vector inverse = all(1.0f) / at.z;
+  // Parallel rays see of it what those from an eye do of its shadow at depth 1, whatever its depths.
+  const bool parallel = view.orthographic;
+  const Vector inverse = all(1.0f) / at.z, zero = all(0.0f);
   const Vector to_x = all(1.0f) / all(view.focal_x), to_y = all(1.0f) / all(view.focal_y);
-  const Lanes3 ray{at.x * inverse, at.y * inverse, all(1.0f)};
+  const Lanes3 ray{parallel ? zero : at.x * inverse, parallel ? zero : at.y * inverse, all(1.0f)};
   const Lanes3 n = cross(a, b), bn = cross(b, n), na = cross(n, a);
   const Vector square = dot(n, n), along = dot(n, ray);
-  const Vector per_square = at.z / square;
+  const Vector per_square = (parallel ? all(1.0f) : at.z) / square;
   Shape shape;
   shape.gx = (all(0.0f) - n.x * to_x) / along;
   shape.gy = (all(0.0f) - n.y * to_y) / along;
@@ -175,8 +178,8 @@ SWEPT_LANE Shape disc_shape(const SplatView& view, Lanes3 at, const Lanes3 (&axe
   const auto counts = [&](Vector w) { return magnitude(w) < most; };
   const Mask met = counts(shape.gx) & counts(shape.gy) & counts(shape.ux) & counts(shape.uy) &
                    counts(shape.vy) & (all(0.0f) < length);
-  shape.gx = only(met, shape.gx);
-  shape.gy = only(met, shape.gy);
+  shape.gx = parallel ? zero : only(met, shape.gx);
+  shape.gy = parallel ? zero : only(met, shape.gy);
   shape.ux = choose(met, shape.ux, most);
   shape.uy = only(met, shape.uy);
   shape.vy = choose(met, shape.vy, most);
@@ -185,9 +188,10 @@ SWEPT_LANE Shape disc_shape(const SplatView& view, Lanes3 at, const Lanes3 (&axe
   shape.seen = all(1.0f) <= over;
   const Vector reach = reach_of(larger(over, all(1.0f))), low_pass = reach * all(0.70710678f);
   const Vector fx = all(view.focal_x), fy = all(view.focal_y);
-  disc_reach(fx * (a.x - ray.x * a.z), fx * (b.x - ray.x * b.z), a.z, b.z, at.z, reach, low_pass, shape.left,
+  const Vector wa = parallel ? zero : a.z, wb = parallel ? zero : b.z, wc = parallel ? all(1.0f) : at.z;
+  disc_reach(fx * (a.x - ray.x * a.z), fx * (b.x - ray.x * b.z), wa, wb, wc, reach, low_pass, shape.left,
              shape.right);
-  disc_reach(fy * (a.y - ray.y * a.z), fy * (b.y - ray.y * b.z), a.z, b.z, at.z, reach, low_pass, shape.up,
+  disc_reach(fy * (a.y - ray.y * a.z), fy * (b.y - ray.y * b.z), wa, wb, wc, reach, low_pass, shape.up,
              shape.down);
   return shape;
 }
@@ -240,7 +244,7 @@ inline std::uint32_t place_text(const SplatFields& splats, const SplatView& view
     const Vector opacity = load(splats.opacity + i);
     const Shape shape = view.flat ? disc_shape(view, at, axes, opacity) : shape_of(view, at, axes, opacity);
 
-    const Vector scale = all(1.0f) / at.z;
+    const Vector scale = view.orthographic ? all(1.0f) : all(1.0f) / at.z;
     Vector whole_x, rest_x, whole_y, rest_y;
     find_pixel(
         all(origin.fraction_x) +
@@ -263,7 +267,9 @@ inline std::uint32_t place_text(const SplatFields& splats, const SplatView& view
     store(shape.gy, f.gy + i);
     store(shape.opacity, f.opacity + i);
     store(at.z, f.depth + i);
-    const Lanes3 looked = turned(view.turn, {at.x * scale, at.y * scale, all(1.0f)});
+    const Lanes3 ray = view.orthographic ? Lanes3{all(0.0f), all(0.0f), all(1.0f)}
+                                         : Lanes3{at.x * scale, at.y * scale, all(1.0f)};
+    const Lanes3 looked = turned(view.turn, ray);
     const Vector unit = all(1.0f) / root((looked.x * looked.x + looked.y * looked.y) + looked.z * looked.z);
     Vector color[3];
     shade(splats, {looked.x * unit, looked.y * unit, looked.z * unit}, part, color);

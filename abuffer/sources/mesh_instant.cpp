@@ -15,8 +15,9 @@ std::optional<FilmBox> film_box(const Eigen::Vector3d (&corner)[3], const Projec
   constexpr double infinity = std::numeric_limits<double>::infinity();
   FilmBox box{infinity, -infinity, infinity, -infinity};
   const auto include = [&](const Eigen::Vector3d& p) {
-    const double x = projection.center_x + projection.focal_px * (p.x() / p.z()),
-                 y = projection.center_y + projection.focal_px * (p.y() / p.z());
+    const double divisor = projection.divisor(p.z());
+    const double x = projection.center_x + projection.focal_px * (p.x() / divisor),
+                 y = projection.center_y + projection.focal_px * (p.y() / divisor);
     box = {std::min(box.x_min, x), std::max(box.x_max, x), std::min(box.y_min, y), std::max(box.y_max, y)};
   };
   for (std::size_t i = 0; i < 3; ++i) {
@@ -54,6 +55,12 @@ MeshInstant::MeshInstant(const Scene& scene, const Object& object, double frame)
   const SurfelsAt at(object.cloud, frame);
   points_.reserve(object.cloud.size());
   for (std::size_t i = 0; i < object.cloud.size(); ++i) points_.push_back(instant.to_camera(at[i].position));
+  if (projection_.orthographic) {
+    double farthest = 0.0;
+    for (const Eigen::Vector3d& p : points_)
+      if (std::isfinite(p.z())) farthest = std::max(farthest, std::abs(p.z()));
+    behind_ = (1.0 + 0x1p-10) * farthest;
+  }
 }
 
 void MeshInstant::share_out(const CellGrid& grid, const std::vector<char>& wanted) {

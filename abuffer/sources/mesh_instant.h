@@ -40,6 +40,13 @@ class MeshInstant {
 
   [[nodiscard]] const Object& object() const { return *object_; }
   [[nodiscard]] const Projection& projection() const { return projection_; }
+  /// Of an orthographic camera a depth behind all of it, and otherwise 0.
+  [[nodiscard]] double behind() const { return behind_; }
+  /// From PlacedTriangle::inverse_depth.
+  [[nodiscard]] float depth_of(float inverse_depth) const {
+    return projection_.orthographic ? static_cast<float>(behind_ - double{inverse_depth})
+                                    : 1.0f / inverse_depth;
+  }
   [[nodiscard]] double near() const { return near_; }
   [[nodiscard]] double frame() const { return frame_; }
   /// Whether object and camera mirror the mesh, so that its front is where it looks clockwise.
@@ -60,6 +67,7 @@ class MeshInstant {
  private:
   const Object* object_;
   Projection projection_;
+  double behind_ = 0.0;
   double near_, frame_;
   bool mirrored_;
   std::vector<Eigen::Vector3d> points_;

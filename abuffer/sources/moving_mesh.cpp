@@ -145,7 +145,8 @@ Result<MovingMesh> MovingMesh::follow(const Scene& scene, const Object& object, 
       if (!(truth[i].z() > scene.camera.near)) continue;
       const Eigen::Vector3d p =
           (1.0 - t) * (1.0 - 2.0 * t) * a[i] + 4.0 * t * (1.0 - t) * m[i] + t * (2.0 * t - 1.0) * b[i];
-      if ((p - truth[i]).norm() * projection.focal_px > tolerance_px * truth[i].z()) return true;
+      if ((p - truth[i]).norm() * projection.focal_px > tolerance_px * projection.divisor(truth[i].z()))
+        return true;
     }
     return false;
   };

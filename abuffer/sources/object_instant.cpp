@@ -42,6 +42,7 @@ ObjectInstant::ObjectInstant(const Scene& scene, const PointPackets& packets, do
   place.depth_tolerance = static_cast<float>(scene.model.depth_tolerance);
   place.film_width = scene.film.width;
   place.film_height = scene.film.height;
+  place.orthographic = projection.orthographic;
   enlarges = linear.allFinite() ? linear.jacobiSvd().singularValues()[0] * (1.0 + 1e-9)
                                 : std::numeric_limits<double>::infinity();
   if (scene.camera.aperture.radius > 0.0) {
@@ -80,7 +81,7 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
   const double near = double{place.near}, reach = radius * enlarges;
   const double low = center.z() - reach, high = center.z() + reach;
   if (high < near) return {0.0, -1.0, 0.0, -1.0, high};
-  if (!(low > near) || !center.allFinite())
+  if (!(low > near || projection.orthographic) || !center.allFinite())
     return whole_plane(std::max(near, low));  // near where low is not a number
   // In front of the near plane x/z is monotonic in x and in z. The filter widens a disc by its radius where
   // the disc's centre is, which perspective enlarges towards the eye.
@@ -89,6 +90,11 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
   if (lens_px > 0.0)
     margin += lens_px * std::max(std::abs(1.0 / low - per_focus), std::abs(1.0 / high - per_focus));
   const double focal = projection.focal_px;
+  if (projection.orthographic) {
+    const double across = focal * reach + double{place.filter_px} + 1.0;
+    const double x = projection.center_x + focal * center.x(), y = projection.center_y + focal * center.y();
+    return {x - across, x + across, y - across, y + across, low};
+  }
   const auto least = [&](double v) { return v - reach >= 0.0 ? (v - reach) / high : (v - reach) / low; };
   const auto most = [&](double v) { return v + reach >= 0.0 ? (v + reach) / low : (v + reach) / high; };
   return {projection.center_x + focal * least(center.x()) - margin,
@@ -98,7 +104,8 @@ PacketBounds ObjectInstant::bounds(const Eigen::Vector3d& center, double radius)
 }
 
 PacketPlace ObjectInstant::on_film(const Eigen::Vector3d& center) const {
-  const double tangent_x = center.x() / center.z(), tangent_y = center.y() / center.z();
+  const double divisor = projection.divisor(center.z());
+  const double tangent_x = center.x() / divisor, tangent_y = center.y() / divisor;
   // Far off the film every lane takes the general form; a whole number there need only exist.
   const auto whole = [](double v) { return std::abs(v) <= 1e9 ? std::floor(v) : 1e9; };
   const double x = projection.center_x + projection.focal_px * tangent_x, whole_x = whole(x);
@@ -117,7 +124,8 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
   const Projection& projection = at.projection;
   const PixelFilter filter{scene.model.filter_radius_px / projection.focal_px,
                            guard_band * largest_tangent(scene.film, projection, 0),
-                           guard_band * largest_tangent(scene.film, projection, 1), scene.camera.near};
+                           guard_band * largest_tangent(scene.film, projection, 1), scene.camera.near,
+                           projection.orthographic};
   MovingKernel kernel;
   kernel.center = at.instant.to_camera(surfel.position);
   kernel.velocity.setZero();
@@ -137,7 +145,7 @@ std::optional<GeneralDisc> GeneralDisc::make(const Scene& scene, const Object& o
     return std::nullopt;
   Octagon octagon;
   if (!screen_bounds(kernel, projection, scene.camera.near, octagon)) return std::nullopt;
-  GeneralDisc general(kernel);
+  GeneralDisc general(kernel, projection.orthographic);
   const PixelBox box = octagon.box();
   pixel_range(box.x_min, box.x_max, general.x_begin, general.x_end);
   pixel_range(box.y_min, box.y_max, general.y_begin, general.y_end);

@@ -70,7 +70,8 @@ class GeneralDisc {
   float rgba[4];  ///< premultiplied
 
  private:
-  explicit GeneralDisc(const MovingKernel& kernel) : plane_(kernel), weight_(kernel.weight) {}
+  GeneralDisc(const MovingKernel& kernel, bool orthographic)
+      : plane_(kernel, orthographic), weight_(kernel.weight) {}
 
   KernelPlane<double> plane_;
   Projection projection_;

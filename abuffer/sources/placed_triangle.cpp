@@ -20,8 +20,16 @@ Linear on_film(const Eigen::Vector3d& v, const Projection& projection) {
 
 std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_t triangle) {
   const Object& object = mesh.object();
+  const bool orthographic = mesh.projection().orthographic;
   const Eigen::Vector3d *corner[3], *const *p = corner;
   for (std::size_t i = 0; i < 3; ++i) corner[i] = &mesh.corner(triangle, i);
+  const double z[3] = {p[0]->z(), p[1]->z(), p[2]->z()};
+  // Parallel rays see of it what those from an eye do of its shadow at depth 1.
+  Eigen::Vector3d shadow[3];
+  for (std::size_t i = 0; orthographic && i < 3; ++i) {
+    shadow[i] = {p[i]->x(), p[i]->y(), 1.0};
+    corner[i] = &shadow[i];
+  }
   const Eigen::Vector3d normals[3] = {p[1]->cross(*p[2]), p[2]->cross(*p[0]), p[0]->cross(*p[1])};
   const double volume = p[0]->dot(normals[0]);
   if (!(std::abs(volume) > 0.0) || !std::isfinite(volume)) return std::nullopt;
@@ -40,10 +48,17 @@ std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_
   }
   const double heaviest = std::max({weight[0], weight[1], weight[2]});
   for (std::size_t i = 0; i < 3; ++i) placed.weight[i] = static_cast<float>(weight[i] / heaviest);
-  const Eigen::Vector3d sum = (normals[0] + normals[1] + normals[2]) / volume;
-  placed.inverse_depth = on_film(sum, mesh.projection());
-  placed.most_inverse = static_cast<float>(1.0 / mesh.near());
-  placed.cut = !(p[0]->z() >= mesh.near() && p[1]->z() >= mesh.near() && p[2]->z() >= mesh.near());
+  if (orthographic) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i) sum += (mesh.behind() - z[i]) / volume * normals[i];
+    placed.inverse_depth = on_film(sum, mesh.projection());
+    placed.most_inverse = static_cast<float>(mesh.behind() - mesh.near());
+  } else {
+    const Eigen::Vector3d sum = (normals[0] + normals[1] + normals[2]) / volume;
+    placed.inverse_depth = on_film(sum, mesh.projection());
+    placed.most_inverse = static_cast<float>(1.0 / mesh.near());
+  }
+  placed.cut = !(z[0] >= mesh.near() && z[1] >= mesh.near() && z[2] >= mesh.near());
   placed.plain = true;
   const LooksAt looks(object.cloud, mesh.frame());
   for (std::size_t i = 0; i < 3; ++i) {

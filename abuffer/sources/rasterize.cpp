@@ -98,7 +98,8 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
                                 const Octagon& octagon, const RasterModel& model, const Window& window,
                                 FragmentArrays& fragments) {
   MovingKernel kernel = of_all_rows;
-  KernelPlane<double> plane(kernel);
+  const bool parallel = model.projection.orthographic;
+  KernelPlane<double> plane(kernel, parallel);
   const double per_pixel = 1.0 / model.projection.focal_px;
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
@@ -110,7 +111,7 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
     if (model.row_delay != 0.0) {
       kernel = of_all_rows;
       if (!delay(kernel, model.row_delay * y)) continue;
-      plane = KernelPlane<double>(kernel);
+      plane = KernelPlane<double>(kernel, parallel);
     }
     fragments.ensure(static_cast<std::size_t>(row.last - row.first));
     const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;

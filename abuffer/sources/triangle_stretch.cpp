@@ -27,7 +27,7 @@ int one_side(const Bernstein& e, const Margin& margin) {
 }  // namespace
 
 TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index, std::size_t stretch,
-                                 std::size_t t, double near)
+                                 std::size_t t, double near, bool orthographic)
     : mesh(mesh_index),
       triangle(static_cast<std::uint32_t>(t)),
       begin(of.time(stretch)),
@@ -44,6 +44,8 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     z_[i].degree = degree_;
     for (std::size_t k = 0; k <= static_cast<std::size_t>(degree_); ++k) {
       path[i][k] = controls[k];
+      // Parallel rays see of it what those from an eye do of its shadow at depth 1.
+      if (orthographic) path[i][k].z() = 1.0;
       z_[i].c[k] = controls[k].z();
       nearest_ = std::min(nearest_, controls[k].z());
       farthest_ = std::max(farthest_, controls[k].z());

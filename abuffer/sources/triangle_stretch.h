@@ -30,7 +30,7 @@ struct DepthOverTime {
 class TriangleStretch {
  public:
   TriangleStretch(const MovingMesh& mesh, std::uint32_t mesh_index, std::size_t stretch, std::size_t triangle,
-                  double near);
+                  double near, bool orthographic = false);
 
   std::uint32_t mesh, triangle;
   double begin, end;   ///< of the stretch

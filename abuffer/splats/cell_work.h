@@ -6,13 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include "abuffer/lens_looks.h"
 #include "abuffer/resolve/sample_plan.h"
 #include "abuffer/splats/error_forecast.h"
 #include "abuffer/splats/splat_cell.h"
 
 namespace swept {
 
-/// Shutter time numerator / denominator.
+/// Shutter time numerator / denominator; through a lens look `numerator` of `denominator` 1.
 struct RoundInstant {
   int numerator, denominator;
 
@@ -27,12 +28,14 @@ struct RoundInstant {
 
 /// A cell of the film's window on its way to the image. Its instants are N midpoints of strata of the
 /// exposure; doubled, those half-way between and at both ends too, at half weight there: the trapezoid's
-/// rule; doubled again, those half-way between.
+/// rule; doubled again, those half-way between. Through a lens they are looks of a sequence, and doubled the
+/// next as many.
 struct CellWork {
   std::size_t index = 0;  ///< in the grid
   Cell cell;
   int count = 1;  ///< of the rule, after this round
   bool moves = false;
+  bool lens = false;       ///< instants are looks through one
   bool adaptive = false;   ///< its number of instants is chosen
   bool estimated = false;  ///< its error is
   bool done = false;       ///< it is in the image
@@ -48,15 +51,18 @@ struct CellWork {
   std::unique_ptr<ErrorEstimate> estimate;
 
   [[nodiscard]] int round_size() const {
-    return done || waiting ? 0 : doublings == 0 ? count : doublings == 1 ? count / 2 + 1 : count / 2;
+    if (done || waiting) return 0;
+    return doublings == 0 ? count : doublings == 1 && !lens ? count / 2 + 1 : count / 2;
   }
   /// In the order of time.
   [[nodiscard]] RoundInstant instant(int i) const {
+    if (lens) return {doublings == 0 ? i : count / 2 + i, 1};
     if (doublings == 0) return {2 * i + 1, 2 * count};
     return doublings == 1 ? RoundInstant{i, count / 2} : RoundInstant{2 * i + 1, count};
   }
   [[nodiscard]] InstantWeights weights(int i) const {
     if (!estimated) return {};
+    if (lens) return {1.0f, doublings == 0 ? half_of_looks(i, count) : -1.0f, 0.0f, 0.0f};
     if (doublings == 0) return estimating_weights(i, count);
     const float w = doublings == 1 && (i == 0 || i == count / 2) ? 0.5f : 1.0f;
     return {w, -w, 0.0f, 0.0f};
@@ -69,7 +75,8 @@ struct CellWork {
   void judge(double near_jumps) {
     const SampledCell::Squares squares = sums->squares(cell);
     if (estimate == nullptr)
-      estimate = std::make_unique<ErrorEstimate>(squares, count, ErrorEstimate::of_splats);
+      estimate = std::make_unique<ErrorEstimate>(squares, count,
+                                                 lens ? ErrorEstimate::of_lens : ErrorEstimate::of_splats);
     else
       estimate->refine(squares, count);
     if (forecast && doublings == 0) {

@@ -20,10 +20,11 @@ FilmSurfaces::FilmSurfaces(const Scene& scene, const Exposure& exposure, bool on
       mesh_motion_(scene, exposure, grid),
       cells_([this, &math, &mesh_math] { return OfCell(*this, math, mesh_math); }) {
   for (const Object& object : scene.objects) {
-    const bool still = stands_still(scene, object, exposure);
+    const bool still = stands_still(scene, object, exposure), lens = scene.camera.aperture.radius > 0.0;
     if (object.triangles.empty() || (only_standing && !still)) continue;
     Mesh mesh{&object, nullptr};
-    if (still) {
+    // Through a lens nothing stays where it is.
+    if (still && !lens) {
       auto instant = std::make_shared<MeshInstant>(scene, object, exposure.open);
       instant->share_out(grid, std::vector<char>(grid.size(), 1));
       mesh.standing = std::move(instant);
@@ -37,13 +38,15 @@ float FilmSurfaces::motion_px(std::size_t cell) const {
   return std::max(typical_motion(bins_, bins_.packets(cell)), mesh_motion_.px(cell));
 }
 
-FilmSurfaces::Instant FilmSurfaces::at(double time, const std::vector<char>& wanted) const {
+FilmSurfaces::Instant FilmSurfaces::at(double time, const std::vector<char>& wanted,
+                                       const Scene* pinhole) const {
+  const Scene& seen = pinhole != nullptr ? *pinhole : scene_;
   Instant instant;
-  for (const PointPackets& object : discs_) instant.discs.emplace_back(scene_, object, exposure_.at(time));
+  for (const PointPackets& object : discs_) instant.discs.emplace_back(seen, object, exposure_.at(time));
   for (const Mesh& mesh : meshes_) {
     instant.meshes.push_back(mesh.standing);
     if (mesh.standing) continue;
-    auto moving = std::make_shared<MeshInstant>(scene_, *mesh.object, exposure_.at(time));
+    auto moving = std::make_shared<MeshInstant>(seen, *mesh.object, exposure_.at(time));
     moving->share_out(grid_, wanted);
     instant.meshes.back() = std::move(moving);
   }

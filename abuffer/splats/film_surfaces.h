@@ -34,8 +34,10 @@ class FilmSurfaces {
     std::vector<ObjectInstant> discs;
     std::vector<std::shared_ptr<const MeshInstant>> meshes;
   };
-  /// At a shutter time; of the cells only those `wanted`.
-  [[nodiscard]] Instant at(double time, const std::vector<char>& wanted) const;
+  /// At a shutter time; of the cells only those `wanted`. `pinhole`: the scene as it is seen through a point
+  /// of its lens, in place of the scene itself.
+  [[nodiscard]] Instant at(double time, const std::vector<char>& wanted,
+                           const Scene* pinhole = nullptr) const;
   /// What an instant holds of meshes that move, about.
   [[nodiscard]] std::size_t instant_bytes() const;
 

@@ -12,6 +12,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "abuffer/lens_looks.h"
 #include "abuffer/parallel.h"
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/film_motion.h"
@@ -21,6 +22,7 @@
 #include "abuffer/splats/splat_cell.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/splats/splat_row.h"
+#include "splat/motion/instant.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -39,9 +41,12 @@ class SplatFrame {
         grid_(scene.film),
         math_(splat_maths().first[implementation_of(options, splat_maths().count)]),
         rule_(splat_rule(scene)),
+        lens_(scene, options.samples),
+        pinhole_(lens_.any() ? pinhole_of(scene) : Scene()),
         painters_([this] { return SplatPainter(math_, rule_); }) {}
 
   Result<Rendered> render() {
+    if (Status status = check_lens(lens_, options_); !status) return status.error();
     const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
       return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes",
@@ -95,6 +100,7 @@ class SplatFrame {
 
   void plan();
   void begin_cells();
+  void begin_behind_lens();
   void forecast(const SplatRow& standing);
   void count_without_forecast(const SplatRow& standing);
   void count_what_fades();
@@ -118,6 +124,9 @@ class SplatFrame {
   CellGrid grid_;
   const SplatMath& math_;
   SplatRule rule_;
+  LensLooks lens_;
+  Scene pinhole_;                ///< where there is a lens
+  int instants_of_a_point_ = 1;  ///< where its points are given
   std::vector<SplatPackets> sets_;
   SplatRow standing_;
   std::unique_ptr<FilmMotion> motion_;
@@ -159,6 +168,40 @@ void SplatFrame::begin_cells() {
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
   allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
+  if (options_.max_cell_error_db > 0.0)
+    allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
+}
+
+/// Everything may be anywhere: each cell begins with a few looks, and doubles them.
+void SplatFrame::begin_behind_lens() {
+  const bool moves = std::any_of(scene_.objects.begin(), scene_.objects.end(), [&](const Object& object) {
+    return !stands_still(scene_, object, exposure_);
+  });
+  float motion = 0.0f;
+  for (std::size_t c = 0; c < grid_.size(); ++c) motion = std::max(motion, surfaces_->motion_px(c));
+  int count = moves ? std::max(1, options_.samples) : 1;
+  if (options_.samples == 0) count = std::max(count, first_instants(motion, options_.max_error_db));
+  if (lens_.given()) {
+    // Of what moves a single instant for each point leaves the two too much to chance.
+    if (options_.samples == 0 && moves) count = std::max(count, 2 * lens_.points());
+    instants_of_a_point_ = (count + lens_.points() - 1) / lens_.points();
+    count = instants_of_a_point_ * lens_.points();
+  } else {
+    // Of the points that a given number would be; what is soft or large needs fewer.
+    constexpr int share = 16;
+    int wanted = std::max(count, lens_point_count(scene_) / share);
+    for (count = 16; count < wanted;) count *= 2;
+  }
+  for (std::size_t c = 0; c < grid_.size(); ++c) {
+    CellWork work;
+    work.index = c;
+    work.cell = grid_.cell(c);
+    work.moves = work.lens = true;
+    work.adaptive = work.estimated = !lens_.given();
+    work.count = count;
+    cells_.push_back(std::move(work));
+  }
+  allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db);
   if (options_.max_cell_error_db > 0.0)
     allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
 }
@@ -217,8 +260,8 @@ void SplatFrame::count_what_fades() {
 
 /// How many instants each cell begins with.
 void SplatFrame::plan() {
-  begin_cells();
-  if (options_.samples == 0 && !exposure_.instant()) {
+  lens_.any() ? begin_behind_lens() : begin_cells();
+  if (options_.samples == 0 && !exposure_.instant() && !lens_.any()) {
     const SplatRow standing(scene_, sets_, false, exposure_.open, math_, grid_,
                             std::vector<char>(grid_.size(), 1));
     if (motion_ != nullptr && options_.max_seconds == 0.0) forecast(standing);
@@ -286,6 +329,14 @@ bool SplatFrame::render_batch(std::span<const RoundInstant> instants) {
   Stopwatch placing;
   parallel_for_each_index(instants.size(), [&](std::size_t k) {
     if (control_.stop.stop_requested()) return;
+    if (lens_.any()) {
+      const LensLook look = lens_.at(instants[k].numerator, instants_of_a_point_);
+      Scene pinhole = pinhole_;
+      pinhole.camera.lens_point = look.point;
+      objects[k] = surfaces_->at(look.share, wanted[k], &pinhole);
+      rows[k] = SplatRow(pinhole, sets_, true, exposure_.at(look.share), math_, grid_, wanted[k]);
+      return;
+    }
     objects[k] = surfaces_->at(instants[k].time(), wanted[k]);
     rows[k] = SplatRow(scene_, sets_, true, exposure_.at(instants[k].time()), math_, grid_, wanted[k]);
   });
@@ -419,7 +470,9 @@ void SplatFrame::describe(Statistics& s) const {
     s.count("fastest_splat_px", double{motion_->fastest_px()});
     s.count("fastest_splat_deviations", double{motion_->fastest_spread()});
   }
-  if (options_.samples == 0 || options_.error_channel) count_expected_error(squares, px, worst, s);
+  if (lens_.any()) describe_lens(lens_, most, s);
+  if (!lens_.given() && (options_.samples == 0 || options_.error_channel))
+    count_expected_error(squares, px, worst, s);
   s.effect(most > 1 ? "motion blur: instants averaged where something moves"
                     : "motion blur: skipped, nothing moves during the exposure");
   if (splats > 0.0)

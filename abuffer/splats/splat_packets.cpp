@@ -207,6 +207,8 @@ std::vector<SplatPackets> pack_splats(const Scene& scene, const Exposure& exposu
       if (moving && only_standing && !exposure.instant()) continue;
       SplatPackets set =
           pack(object, order, moving, [&](std::uint32_t i) { return visible(i) && moves(i) == moving; });
+      // Through a lens nothing stays where it is.
+      set.moves = set.moves || scene.camera.aperture.radius > 0.0;
       if (set.count > 0) sets.push_back(std::move(set));
     }
   }
@@ -231,6 +233,7 @@ SplatPose::SplatPose(const Scene& scene, const SplatPackets& packets, double fra
   eye_ = camera.eye;
   focal_x_ = projection.focal_px * camera.lens.stretch_x, focal_y_ = projection.focal_px;
   center_x_ = projection.center_x, center_y_ = projection.center_y;
+  orthographic_ = projection.orthographic;
   const Eigen::Matrix3d linear = camera_from_world_ * world_from_object_.linear();
   // Colours turn with the object, and are mirrored with it; they are not stretched.
   Eigen::Matrix3d turn = world_from_object_.linear();
@@ -254,6 +257,8 @@ SplatPose::SplatPose(const Scene& scene, const SplatPackets& packets, double fra
   view.high_x = static_cast<float>((width - center_x_ + 0.5 * beyond * width) / focal_x_);
   view.low_y = static_cast<float>((-center_y_ - 0.5 * beyond * height) / focal_y_);
   view.high_y = static_cast<float>((height - center_y_ + 0.5 * beyond * height) / focal_y_);
+  if (orthographic_) view.low_x = view.high_x = view.low_y = view.high_y = 0.0f;
+  view.orthographic = orthographic_;
   view.dilation_px2 = static_cast<float>(scene.splats.dilation_px2);
   view.near = static_cast<float>(scene.splats.near);
   view.least_alpha = static_cast<float>(scene.splats.least_alpha);
@@ -263,14 +268,36 @@ SplatPose::SplatPose(const Scene& scene, const SplatPackets& packets, double fra
   view.film_height = scene.film.height;
 }
 
+namespace {
+
+void place_pixel(double px, double py, SplatOrigin& origin) {
+  origin.pixel_x = static_cast<int>(std::floor(px));
+  origin.pixel_y = static_cast<int>(std::floor(py));
+  origin.fraction_x = static_cast<float>(px - std::floor(px));
+  origin.fraction_y = static_cast<float>(py - std::floor(py));
+}
+
+}  // namespace
+
 SplatOrigin SplatPose::origin(const SplatPackets& packets, std::size_t packet) const {
   const Eigen::Vector3d at = camera_from_world_ * (world_from_object_ * packets.origins[packet] - eye_);
   SplatOrigin origin;
   origin.x = static_cast<float>(at.x());
   origin.y = static_cast<float>(at.y());
   origin.z = static_cast<float>(at.z());
-  // Behind the eye, and far to the side of it, places are counted from the axis.
   constexpr double widest = 1e3;
+  if (orthographic_) {
+    // Far to the side places are counted from the axis.
+    const double farthest = widest * (std::abs(center_x_) + std::abs(center_y_) + 1.0);
+    const bool beside = std::abs(focal_x_ * at.x()) < farthest && std::abs(focal_y_ * at.y()) < farthest;
+    const double from_x = beside ? at.x() : 0.0, from_y = beside ? at.y() : 0.0;
+    origin.tangent_x = origin.tangent_y = 0.0f;
+    origin.rest_x = static_cast<float>(at.x() - from_x);
+    origin.rest_y = static_cast<float>(at.y() - from_y);
+    place_pixel(center_x_ + focal_x_ * from_x, center_y_ + focal_y_ * from_y, origin);
+    return origin;
+  }
+  // Behind the eye, and far to the side of it, places are counted from the axis.
   const double x = at.x() / at.z(), y = at.y() / at.z();
   const bool ahead = at.z() > 0.0 && std::abs(x) < widest && std::abs(y) < widest;
   origin.tangent_x = ahead ? static_cast<float>(x) : 0.0f;
@@ -279,11 +306,7 @@ SplatOrigin SplatPose::origin(const SplatPackets& packets, std::size_t packet) c
   const double from_x = double{origin.tangent_x}, from_y = double{origin.tangent_y};
   origin.rest_x = static_cast<float>(at.x() - from_x * at.z());
   origin.rest_y = static_cast<float>(at.y() - from_y * at.z());
-  const double px = center_x_ + focal_x_ * from_x, py = center_y_ + focal_y_ * from_y;
-  origin.pixel_x = static_cast<int>(std::floor(px));
-  origin.pixel_y = static_cast<int>(std::floor(py));
-  origin.fraction_x = static_cast<float>(px - std::floor(px));
-  origin.fraction_y = static_cast<float>(py - std::floor(py));
+  place_pixel(center_x_ + focal_x_ * from_x, center_y_ + focal_y_ * from_y, origin);
   return origin;
 }
 

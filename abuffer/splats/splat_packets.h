@@ -58,6 +58,7 @@ class SplatPose {
   Eigen::Matrix3d camera_from_world_;
   Eigen::Vector3d eye_;
   double focal_x_, focal_y_, center_x_, center_y_;
+  bool orthographic_;
 };
 
 }  // namespace swept

@@ -36,6 +36,12 @@ struct FilmView {
   Projection projection;
   double near = 0.0;
   LensReach lens;
+
+  /// A point whose direction from an eye tells where it is on the film: of an orthographic camera its shadow
+  /// at depth 1.
+  [[nodiscard]] Eigen::Vector3d seen(const Eigen::Vector3d& p) const {
+    return projection.orthographic ? Eigen::Vector3d(p.x(), p.y(), 1.0) : p;
+  }
 };
 
 /// The film's places at which rays may meet points of a convex hull. A hull that crosses the near plane may
@@ -48,8 +54,8 @@ class HullBounds {
     // A little nearer counts as at it, for rounding.
     const bool in_front = p.z() >= view_.near * (1.0 - 1e-9);
     (in_front ? in_front_ : behind_) = true;
-    if (!in_front) return;
-    const double inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
+    if (!in_front && !view_.projection.orthographic) return;
+    const double inverse = 1.0 / view_.projection.divisor(p.z()), x = p.x() * inverse, y = p.y() * inverse;
     x_min_ = std::min(x_min_, x), x_max_ = std::max(x_max_, x);
     y_min_ = std::min(y_min_, y), y_max_ = std::max(y_max_, y);
     z_min_ = std::min(z_min_, p.z()), z_max_ = std::max(z_max_, p.z());
@@ -58,7 +64,7 @@ class HullBounds {
   /// Those of `window`. `inset`: 0 for places anywhere in a pixel, ½ for its centre.
   [[nodiscard]] PixelRange pixels(const PixelRange& window, double inset) const {
     if (!in_front_) return {};
-    if (behind_) return window;
+    if (behind_ && !view_.projection.orthographic) return window;
     if (!std::isfinite((x_max_ - x_min_) + (y_max_ - y_min_))) return window;
     const LensReach& lens = view_.lens;
     const auto pad = [&](double reach) {

@@ -29,10 +29,12 @@ std::vector<Eigen::Vector3d> points_at(const Scene& scene, const Object& object,
 }
 
 /// How far the curve is from the path on the film, px, and a difference of depths as one to the side.
-double off_px(const Eigen::Vector3d& curve, const Eigen::Vector3d& path, double focal_px, double near) {
+double off_px(const Eigen::Vector3d& curve, const Eigen::Vector3d& path, const Projection& film,
+              double near) {
   const Eigen::Vector3d difference = curve - path;
+  if (film.orthographic) return film.focal_px * difference.cwiseAbs().maxCoeff();
   const double depth = std::max(std::abs(path.z()), near);
-  return focal_px * difference.cwiseAbs().maxCoeff() / depth *
+  return film.focal_px * difference.cwiseAbs().maxCoeff() / depth *
          std::max(1.0, path.head<2>().cwiseAbs().maxCoeff() / depth);
 }
 
@@ -59,7 +61,7 @@ MeshPaths::MeshPaths(const Scene& scene, const Object& object, const Exposure& e
   const Exposure even{exposure.open, exposure.close};
   const Instant middle = instant_at(scene, object, even, 0.5);
   mirrored_ = (middle.camera_from_world * middle.world_from_object.linear()).determinant() < 0.0;
-  const double focal_px = projection_of(scene.film, scene.camera.at(exposure.middle())).focal_px;
+  const Projection film = projection_of(scene.film, scene.camera.at(exposure.middle()));
   const double near = scene.camera.near;
   cut_at_keys(scene, exposure);
   const std::vector<double> corners = cuts_;
@@ -90,9 +92,9 @@ MeshPaths::MeshPaths(const Scene& scene, const Object& object, const Exposure& e
         const auto curve = [&](double t) -> Eigen::Vector3d {
           return (1 - t) * (1 - t) * control[0] + 2 * t * (1 - t) * control[1] + t * t * control[2];
         };
-        worst = std::max({worst, off_px(curve(0.25), first[i], focal_px, near),
-                          off_px(curve(0.75), last[i], focal_px, near)});
-        bend = std::max(bend, off_px(0.5 * (begin[i] + end[i]), half[i], focal_px, near));
+        worst = std::max(
+            {worst, off_px(curve(0.25), first[i], film, near), off_px(curve(0.75), last[i], film, near)});
+        bend = std::max(bend, off_px(0.5 * (begin[i] + end[i]), half[i], film, near));
       }
       begin = std::move(end);
     }

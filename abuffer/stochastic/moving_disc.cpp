@@ -42,10 +42,12 @@ Span MovingDisc::plane(int axis, int side, double tangent) const {
   // adds.
   const auto within = [&](double gamma, double further) {
     const double sign = side == 1 ? 1.0 : -1.0;
-    const double u = axis_u_[axis] - gamma * axis_u_.z(), v = axis_v_[axis] - gamma * axis_v_.z();
+    const bool parallel = view_.projection.orthographic;
+    const double u = axis_u_[axis] - (parallel ? 0.0 : gamma * axis_u_.z()),
+                 v = axis_v_[axis] - (parallel ? 0.0 : gamma * axis_v_.z());
     const double reach = std::sqrt(u * u + v * v);
     const auto beyond = [&](double t) {
-      const Eigen::Vector3d c = center_at(t);
+      const Eigen::Vector3d c = view_.seen(center_at(t));
       return sign * (c[axis] - gamma * c.z()) - reach - further -
              1e-12 * (std::abs(c[axis]) + std::abs(gamma * c.z()) + reach);
     };
@@ -87,6 +89,11 @@ bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, 
   const Projection& film = view_.projection;
   Eigen::Vector3d ray((x + 0.5 - film.center_x) * per_focal_, (y + 0.5 - film.center_y) * per_focal_, 1.0);
   Eigen::Vector3d center = center_;
+  if (film.orthographic) {
+    // From where the ray begins, along the depth.
+    center.x() -= ray.x(), center.y() -= ray.y();
+    ray = Eigen::Vector3d::UnitZ();
+  }
   if (!samples.lens_x.empty()) {
     ray.x() -= double{samples.toward_x[k]}, ray.y() -= double{samples.toward_y[k]};
     center.x() -= double{samples.lens_x[k]}, center.y() -= double{samples.lens_y[k]};

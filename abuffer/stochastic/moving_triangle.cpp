@@ -86,7 +86,7 @@ void MovingTriangle::begin_tiles(int p, const PixelRange& range, int tile_px, Cu
           const Eigen::Vector3d* const c = paths_.controls(corner_[i], p);
           double distance[3], value[3];
           for (int k = 0; k < controls; ++k) {
-            const Eigen::Vector3d& v = c[k * step];
+            const Eigen::Vector3d v = view_.seen(c[k * step]);
             const double beyond = v[axis] - gamma * v.z();
             distance[k] =
                 (side == 1 ? beyond : -beyond) - value_margin * (std::abs(v[axis]) + std::abs(gamma * v.z()));
@@ -125,7 +125,7 @@ void MovingTriangle::begin_edges(int p, int tile_px) {
     for (int i = 0; i <= degree_; ++i)
       for (int j = 0; j <= degree_; ++j) {
         const double share = n[i] * n[j] * scale[i + j];
-        edge.normal[i + j] += share * a[i * step].cross(b[j * step]);
+        edge.normal[i + j] += share * view_.seen(a[i * step]).cross(view_.seen(b[j * step]));
         if (view_.lens.any()) edge.along[i + j] += share * (a[i * step] - b[j * step]);
       }
     for (int k = 0; k <= degree; ++k)
@@ -221,7 +221,7 @@ bool MovingTriangle::test_placed(const BlockSamples& samples, std::size_t k, int
   const SampleRay ray = ray_of(samples, k, x, y, view_.projection, per_focal_);
   Eigen::Vector3d from[3];
   for (std::size_t i = 0; i < 3; ++i)
-    from[i] = {at_[i].x() - ray.from_x, at_[i].y() - ray.from_y, at_[i].z()};
+    from[i] = view_.seen({at_[i].x() - ray.from_x, at_[i].y() - ray.from_y, at_[i].z()});
   Eigen::Vector3d normal[3];
   double value[3];
   int positive = 0, negative = 0;
@@ -242,7 +242,7 @@ bool MovingTriangle::test_placed(const BlockSamples& samples, std::size_t k, int
   const double side = sum > 0.0 ? 1.0 : -1.0;
   for (std::size_t e = 0; e < 3; ++e)
     if (value[e] == 0.0 && !owns(side * normal[e])) return false;
-  const double z = (value[0] * from[0].z() + value[1] * from[1].z() + value[2] * from[2].z()) / sum;
+  const double z = (value[0] * at_[0].z() + value[1] * at_[1].z() + value[2] * at_[2].z()) / sum;
   if (!(z >= view_.near)) return false;
   if (!paths_.object().two_sided && (sum < 0.0) == paths_.mirrored()) return false;
   if (opaque_ && z > hits.nearest(k)) return true;

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "abuffer/scrambled_sobol.h"
 #include "abuffer/sources/rasterize.h"
 #include "splat/camera.h"
 #include "splat/exposure.h"
@@ -65,14 +66,13 @@ class SampleSource {
     double inverse_focus, x, y;  ///< x and y: from the lens's own axes to the projection's
   };
   [[nodiscard]] LensAt lens_at(double time) const;
-  [[nodiscard]] Eigen::Vector2d place_on_lens(double radius_share, double turn) const;
 
   Exposure exposure_;
   int samples_, times_;
   Aperture aperture_;
   std::vector<LensAt> lens_;  ///< at evenly spaced times; one: it does not change; empty: a pinhole
   LensReach reach_;
-  std::uint32_t directions_[3][32];  ///< of Sobol's second to fourth dimension
+  SobolDirections directions_;
 };
 
 }  // namespace swept::stochastic

@@ -192,6 +192,9 @@ Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& 
   if (Status status = refuse_textures(scene, "the stochastic method"); !status) return status.error();
   if (Status status = refuse_looks(scene, "the stochastic method"); !status) return status.error();
   if (Status status = refuse_row_delay(scene, "the stochastic method"); !status) return status.error();
+  if (scene.camera.orthographic && options.traversal == Traversal::hierarchy)
+    return Error{"", "traversal", "the hierarchy's rays begin in the eye, and the camera is orthographic",
+                 ErrorKind::unsupported};
   return render_valid(scene, options, control, render_checked);
 }
 

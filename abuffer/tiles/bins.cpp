@@ -13,6 +13,7 @@ namespace {
 bool faces_away(const MovingKernel& kernel, const PixelBox& box, const Projection& projection) {
   const Eigen::Vector3d facing = kernel.facing.cast<double>();
   if (facing.isZero(0.0)) return false;
+  if (projection.orthographic) return facing.z() >= 0.0;
   const auto least = [&](double slope, double low, double high, double center) {
     return slope * ((slope > 0.0 ? low : high) - center) / projection.focal_px;
   };

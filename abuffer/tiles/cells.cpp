@@ -71,11 +71,13 @@ Passage passage_of(const Scene& scene, const Part& part, double radius) {
       // Beyond the film's edge where focal·x > half·z; the filter, and a pixel more, widen a disc where its
       // centre is.
       const auto beyond = [&](int i) {
-        return side * part.at[i]->projection.focal_px * part.center[i][axis] - half(i) * depth(i);
+        const Projection& p = part.at[i]->projection;
+        return side * p.focal_px * part.center[i][axis] - half(i) * p.divisor(depth(i));
       };
       const auto widest = [&](int i) {
-        return reach(i) * std::hypot(part.at[i]->projection.focal_px, half(i)) +
-               (scene.model.filter_radius_px + 1.0) * std::max(0.0, depth(i) + reach(i));
+        const Projection& p = part.at[i]->projection;
+        return reach(i) * std::hypot(p.focal_px, half(i)) +
+               (scene.model.filter_radius_px + 1.0) * std::max(0.0, p.divisor(depth(i) + reach(i)));
       };
       if (part.least(beyond, widest) > 0.0) return Passage::outside;
     }
@@ -126,7 +128,8 @@ class ChangesOf {
     const ObjectInstant middle(scene, packets, all.middle());
     all_ = all;
     const double depth = packets.count > 0 ? middle.center(packets, 0).z() : 0.0;
-    per_unit_ = middle.enlarges * middle.projection.focal_px / std::max(depth, scene.camera.near);
+    per_unit_ = middle.enlarges * middle.projection.focal_px /
+                middle.projection.divisor(std::max(depth, scene.camera.near));
     if (!std::isfinite(per_unit_)) per_unit_ = 0.0;
   }
 
@@ -260,7 +263,9 @@ void PacketBins::follow(const Scene& scene, const Exposure& of_row, const PointP
           const Eigen::Vector3d moved = next.center(packets, p), &from = part.center[half];
           at[half] = next.bounds(moved, radius);
           if (moved.z() > scene.camera.near && from.z() > scene.camera.near) {
-            const double far = (moved.head<2>() / moved.z() - from.head<2>() / from.z()).norm();
+            const Projection& film = next.projection;
+            const double far =
+                (moved.head<2>() / film.divisor(moved.z()) - from.head<2>() / film.divisor(from.z())).norm();
             length += std::min(farthest, next.projection.focal_px * far);
           } else if (moved != from) {
             length += 1.0;

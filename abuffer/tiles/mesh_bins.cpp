@@ -37,6 +37,12 @@ FilmHull hull_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triang
     hull.x_min = std::min(hull.x_min, hull.x[i]), hull.x_max = std::max(hull.x_max, hull.x[i]);
     hull.y_min = std::min(hull.y_min, hull.y[i]), hull.y_max = std::max(hull.y_max, hull.y[i]);
   };
+  if (projection.orthographic) {
+    const bool seen =
+        std::any_of(points, points + count, [&](const Eigen::Vector3d* p) { return p->z() >= near; });
+    for (int i = 0; seen && i < count; ++i) add(*points[i], 1.0);
+    return hull;
+  }
   for (int i = 0; i < count; ++i)
     if (points[i]->z() >= near) add(*points[i], points[i]->z());
   // At most 6 · 6 of 12 points are on either side: 36 and 12.

@@ -96,8 +96,10 @@ void MeshMotion::follow(const Scene& scene, const Object& object, const Exposure
           double most = 0.0;
           for (std::size_t c = 0; c < 3; ++c) {
             const Eigen::Vector3d &p = a.corner(t, c), &q = b.corner(t, c);
-            most =
-                std::max(most, b.projection().focal_px * (q.head<2>() / q.z() - p.head<2>() / p.z()).norm());
+            const Projection& film = b.projection();
+            most = std::max(
+                most, film.focal_px *
+                          (q.head<2>() / film.divisor(q.z()) - p.head<2>() / film.divisor(p.z())).norm());
           }
           return most;
         };

@@ -1,4 +1,4 @@
-// Perspective cameras of glTF 2.0, with the animation of their node and of those above it.
+// Cameras of glTF 2.0, perspective and orthographic, with the animation of their node and of those above it.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -166,6 +166,19 @@ Eigen::Matrix4d pose_at(std::vector<GltfNode>& nodes, const std::vector<std::siz
   return pose;
 }
 
+nlohmann::json fov_of(const JsonNode& perspective) {
+  const JsonNode yfov = perspective.require("yfov");
+  if (!(yfov.positive() < std::numbers::pi)) yfov.fail("must be below pi");
+  return {{"fov", {{"axis", "vertical"}, {"degrees", yfov.number() * 180.0 / std::numbers::pi}}}};
+}
+
+/// ymag is half of what is seen along the height. xmag, which a film of another shape could not show, must be
+/// a number all the same.
+nlohmann::json height_of(const JsonNode& orthographic) {
+  static_cast<void>(orthographic.require("xmag").positive());
+  return {{"height", 2.0 * orthographic.require("ymag").positive()}};
+}
+
 }  // namespace
 
 CameraFile cameras_of_gltf(const std::string& path, double fps) {
@@ -179,10 +192,9 @@ CameraFile cameras_of_gltf(const std::string& path, double fps) {
   if (cameras.empty()) throw Error{path, "/nodes", "there is no camera in its scene"};
   const std::size_t node = cameras.front();
   const JsonNode camera = gltf.element("cameras", json[node].require("camera"));
-  const JsonNode type = camera.require("type");
-  if (type.string() != "perspective") type.fail("only perspective cameras are known");
-  const JsonNode yfov = camera.require("perspective").require("yfov");
-  if (!(yfov.positive() < std::numbers::pi)) yfov.fail("must be below pi");
+  const bool orthographic = camera.require("type").one_of({"perspective", "orthographic"}) == 1;
+  const nlohmann::json view =
+      orthographic ? height_of(camera.require("orthographic")) : fov_of(camera.require("perspective"));
 
   const std::vector<std::size_t> chain = chain_of(nodes, node);
   std::vector<GltfNode> moving = nodes;
@@ -197,10 +209,10 @@ CameraFile cameras_of_gltf(const std::string& path, double fps) {
     const Eigen::Matrix4d pose = pose_at(moving, chain, channels, time);
     nlohmann::json matrix = nlohmann::json::array();
     for (int i = 0; i < 16; ++i) matrix.push_back(pose(i / 4, i % 4));
-    file.camera["keys"].push_back(
-        {{"frame", 1.0 + time * fps},
-         {"matrix", std::move(matrix)},
-         {"fov", {{"axis", "vertical"}, {"degrees", yfov.number() * 180.0 / std::numbers::pi}}}});
+    nlohmann::json key = view;
+    key["frame"] = 1.0 + time * fps;
+    key["matrix"] = std::move(matrix);
+    file.camera["keys"].push_back(std::move(key));
     file.places.push_back("/nodes/" + std::to_string(node));
   }
   file.notes.push_back(channels.empty() ? "assumed: the camera of " + path + " stands still"

@@ -38,6 +38,12 @@ void add_camera(Imf::Header& header, const ExrWindow& image, const ImageMetadata
       0.0, 1.0 / height, 0.5 + lens.shift.y(), 0.0,                         //
       0.0, 0.0, 1.0, -metadata.near,                                        //
       0.0, 0.0, 1.0, 0.0;
+  // Parallel rays divide by nothing.
+  if (metadata.orthographic)
+    ndc_from_camera << 1.0 / width, 0.0, 0.0, 0.5 + lens.shift.x() / aspect,  //
+        0.0, 1.0 / height, 0.0, 0.5 + lens.shift.y(),                         //
+        0.0, 0.0, 1.0, -metadata.near,                                        //
+        0.0, 0.0, 0.0, 1.0;
   Imf::addWorldToNDC(header, row_matrix(ndc_from_camera * metadata.world_to_camera));
   header.screenWindowWidth() = static_cast<float>(width);
   // The film's middle from the principal point, y up. Adding zero leaves no −0 in the file.
@@ -45,6 +51,7 @@ void add_camera(Imf::Header& header, const ExrWindow& image, const ImageMetadata
   header.screenWindowCenter() = Imath::V2f(static_cast<float>(middle_x), static_cast<float>(middle_y));
   // Focal lengths differ in px because pixels do in length.
   header.pixelAspectRatio() = static_cast<float>(1.0 / lens.stretch_x);
+  if (metadata.orthographic) return;
   constexpr double degrees = 180.0 / std::numbers::pi;
   const double fov = std::atan(middle_x + 0.5 * width) - std::atan(middle_x - 0.5 * width);
   header.insert("fieldOfView", Imf::FloatAttribute(static_cast<float>(fov * degrees)));

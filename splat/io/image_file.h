@@ -28,9 +28,9 @@ namespace SWEPT_API swept {
 ///   worldToNDC       m44f            p_world · M, divided by its w, is (0, 0) in the upper left corner of
 ///                                    the display window and (1, 1) in the lower right; z is 1 − near/depth
 ///   screenWindowCenter v2f           the film's middle at depth 1, from the view direction, y up
-///   screenWindowWidth float          the film's width at depth 1
+///   screenWindowWidth float          the film's width at depth 1, of an orthographic camera at any
 ///   pixelAspectRatio float           1 / lens.stretch_x
-///   fieldOfView      float, degrees  along the film's width
+///   fieldOfView      float, degrees  along the film's width; not of an orthographic camera
 ///   sceneHash, method, software  string  left out if empty
 ///   wholeHash        string          likewise; of a crop, the sceneHash that the whole film has
 ///
@@ -45,6 +45,7 @@ struct ImageMetadata {
   Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();
   double tan_half_fov_y = 0.0;  ///< of the whole film, mid-shutter; 0: not known
   Lens lens{};                  ///< mid-shutter
+  bool orthographic = false;    ///< as CameraInstant has it, and tan_half_fov_y with it
   double near = 1e-3;           ///< world units, > 0
   std::string scene_hash, whole_hash;
   std::string method;  ///< how the image was computed, with the options that are in it

@@ -26,6 +26,7 @@ double parse_fov(const JsonNode& node, const Film& film) {
 struct View {
   double tan_half_fov_y = 0.5;
   Lens lens;
+  bool orthographic = false;
 };
 
 /// Focal lengths and principal point in pixels of a picture of `width` × `height`. A film of another size
@@ -46,9 +47,12 @@ View parse_intrinsics(const JsonNode& node) {
   return view;
 }
 
-/// "fov" or "intrinsics" of `node`, if it has one of them.
+/// "fov", "intrinsics" or "height" of `node`, if it has one of them.
 std::optional<View> parse_view(const JsonNode& node, const Film& film) {
-  const auto fov = node.find("fov"), intrinsics = node.find("intrinsics");
+  const auto fov = node.find("fov"), intrinsics = node.find("intrinsics"), height = node.find("height");
+  if (height && (fov || intrinsics))
+    height->fail("is what an orthographic camera sees, and there is a field of view beside it");
+  if (height) return View{0.5 * height->positive(), {}, true};
   if (fov && intrinsics) intrinsics->fail("there is \"fov\" beside it, and one of the two says it all");
   if (fov) return View{parse_fov(*fov, film), {}};
   if (intrinsics) return parse_intrinsics(*intrinsics);
@@ -133,7 +137,7 @@ double parse_key_frame(const JsonNode& key, std::size_t i, std::size_t count, do
 }
 
 CameraTrack parse_camera(const JsonNode& node, const Film& film) {
-  node.expect_keys({"fov", "intrinsics", "near", "lens", "keys", "convention"});
+  node.expect_keys({"fov", "intrinsics", "height", "near", "lens", "keys", "convention"});
   CameraTrack camera;
   if (const auto near = node.find("near")) camera.near = near->positive();
   const auto lens = node.find("lens");
@@ -153,14 +157,18 @@ CameraTrack parse_camera(const JsonNode& node, const Film& film) {
   double previous = 0.0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const JsonNode& key = keys[i];
-    key.expect_keys({"frame", "eye", "target", "up", "roll", "matrix", "fov", "intrinsics", "focus"});
+    key.expect_keys(
+        {"frame", "eye", "target", "up", "roll", "matrix", "fov", "intrinsics", "height", "focus"});
     if (key.find("matrix").has_value() != matrices)
       key.fail("the keys of a camera must be all look-ats or all matrices");
     previous = parse_key_frame(key, i, keys.size(), previous);
     const std::optional<View> own_view = parse_view(key, film);
     if (!own_view && !common_view)
-      key.fail("no field of view: neither the key nor the camera has \"fov\" or \"intrinsics\"");
+      key.fail("no field of view: neither the key nor the camera has \"fov\", \"intrinsics\" or \"height\"");
     View view = own_view ? *own_view : *common_view;
+    if (i == 0) camera.orthographic = view.orthographic;
+    if (view.orthographic != camera.orthographic)
+      key.fail("the keys of a camera must all have a \"height\", as of an orthographic one, or none");
     const auto own_focus = key.find("focus");
     if (own_focus && !lens) own_focus->fail("goes with a \"lens\" of the camera");
     if (own_focus)

@@ -56,6 +56,7 @@ std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
   if (overrides.draw) text.push_back(name_of(*overrides.draw));
   if (!overrides.texture.empty()) text.push_back({"texture", true});
+  if (overrides.camera.any()) text.push_back({"camera", overrides.camera.numbers()});
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
   return text.dump();
@@ -90,6 +91,7 @@ void parse_scene(const JsonNode& root, const std::string& folder, const SceneOve
       throw Error{root.file(), "/camera/keys", "a matrix has its own up, so that no other can be given"};
     for (LookAtKey& key : scene.camera.look_ats) key.up = *overrides.up;
   }
+  if (overrides.camera.any()) io::override_camera(overrides.camera, root.file(), scene.camera);
   for (const JsonNode& node : root.require("objects").elements()) {
     io::ParsedObject parsed = io::parse_object(node, folder, scene.frame);
     scene.objects.push_back(std::move(parsed.object));

@@ -82,6 +82,26 @@ struct ObjectSource {
   double radius_scale = 1.0;
 };
 
+/// What a caller wants of the camera otherwise than the file says, whichever file it comes from.
+struct CameraOverrides {
+  /// Of what the film shows, world units: the camera becomes orthographic. 0: as high as look-ats see at
+  /// their targets.
+  std::optional<double> height;
+  bool no_lens = false;                          ///< everything is in focus
+  std::optional<double> aperture;                ///< the lens's diameter, world units
+  std::optional<double> f_number, focal_length;  ///< the same by their quotient; world units
+  struct Focus {
+    double frame, distance;
+  };
+  std::vector<Focus> focus;                ///< depth in focus, from key to key; one: whatever its frame
+  std::optional<int> blades, lens_points;  ///< as in Aperture
+  std::optional<double> rotation_degrees;
+
+  [[nodiscard]] bool any() const;
+  /// All of the above, for hashes.
+  [[nodiscard]] std::vector<double> numbers() const;
+};
+
 /// What a caller wants otherwise than the file says.
 struct SceneOverrides {
   /// By the pointers of splat/fields.h, as in {"/film/width", {640}}. "/image/segments" is for all objects,
@@ -92,6 +112,7 @@ struct SceneOverrides {
   double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;
+  CameraOverrides camera;
   /// Of every key of a look-at camera, and of the view of points that come without a scene; not zero.
   std::optional<Eigen::Vector3d> up;
 };

@@ -17,6 +17,9 @@ void parse_fields(const JsonNode& root, Scene& scene);
 /// `film` gives the aspect that converts horizontal and diagonal fields of view.
 [[nodiscard]] CameraTrack parse_camera(const JsonNode& node, const Film& film);
 
+/// Throws what cannot be had of `camera`; what it leaves is still to be validated.
+void override_camera(const CameraOverrides& wanted, const std::string& file, CameraTrack& camera);
+
 /// What one element of "objects" says.
 struct ParsedObject {
   Object object;  ///< without its cloud

@@ -97,6 +97,7 @@ class Builder {
     filter_.max_tangent_x = guard * largest_tangent(scene.film, out.projection, 0);
     filter_.max_tangent_y = guard * largest_tangent(scene.film, out.projection, 1);
     filter_.near = scene.camera.near;
+    filter_.orthographic = out.projection.orthographic;
   }
 
   void add(const Object& object) {
@@ -270,8 +271,10 @@ class Builder {
     if (!object.cloud.lifetime.empty() && !clip_to_lifetime(object.cloud.lifetime[i], kernel)) return;
     if (kernel.still()) ++out_.still_kernels;
     const Eigen::Vector3d normal = axis_u.cross(axis_v);
-    if (std::abs(normal.dot(kernel.center)) < 1e-3 * normal.norm() * kernel.center.norm())
-      ++out_.edge_on_kernels;
+    const bool edge_on = filter_.orthographic ? std::abs(normal.z()) < 1e-3 * normal.norm()
+                                              : std::abs(normal.dot(kernel.center)) <
+                                                    1e-3 * normal.norm() * kernel.center.norm();
+    if (edge_on) ++out_.edge_on_kernels;
     if (std::min(c0.z(), c1.z()) - reach < out_.near) ++out_.near_kernels;
     out_.kernels.push_back(kernel);
   }

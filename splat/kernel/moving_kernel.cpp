@@ -63,10 +63,11 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
 
 FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& axis_u,
                          const Eigen::Vector3d& axis_v, const PixelFilter& filter) {
-  const double depth = std::max(center.z(), filter.near);
+  const double depth = filter.orthographic ? 1.0 : std::max(center.z(), filter.near);
   const double radius = filter.radius * depth;
-  const Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
-                                std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
+  Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
+                          std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
+  if (filter.orthographic) tangent.setZero();
   // Lengths about 1, for their squares and products to stay in range. Changes no bit otherwise.
   int power = 0;
   std::frexp(std::max({axis_u.cwiseAbs().maxCoeff(), axis_v.cwiseAbs().maxCoeff(), radius}), &power);

@@ -22,7 +22,8 @@ struct PixelFilter {
   double radius = 0.0;         ///< at the kernel's cut-off, as a tangent: filter_radius_px / focal_px
   double max_tangent_x = 1.0;  ///< |x/z| and |y/z| beyond which the filter is that of the frame's border
   double max_tangent_y = 1.0;
-  double near = 1e-3;  ///< depth below which the filter stops shrinking
+  double near = 1e-3;         ///< depth below which the filter stops shrinking
+  bool orthographic = false;  ///< then the radius is a length, the same at any depth, and tangents are 0
 };
 
 /// A disc whose plain projection is the given disc's projection convolved with the pixel filter.

@@ -45,13 +45,17 @@ struct RayCoordinates {
 ///   |Δu| ≤ ε (5 |a||c| (|x − c_x/c_z| + |y − c_y/c_z|) + |u| (4N + 2|n·d|)) / |n·d|,
 ///   |Δdu| ≤ ε (6 |a||m| (|x| + |y| + 1) + |du| (4N + 2|n·d|)) / |n·d|,
 ///   |Δz| ≤ ε (4 |n||c| + |z| (4N + 2|n·d|)) / |n·d|,   |Δdz| the same with m for c.
+///
+/// An orthographic camera's rays are parallel, (x, y, z) for all z. Across them the disc is what a pinhole
+/// sees of its shadow (c_x, c_y, 1) with axes (a_x, a_y, 0), so that u, v and their rates are as above with n
+/// = (0, 0, n_z); and its depth is z = (n·c − n_x x − n_y y) / n_z.
 template <class T>
 class KernelPlane {
  public:
   using Vector3 = Eigen::Matrix<T, 3, 1>;
 
   /// In double whatever T is, for the axes' product is then exact but for one rounding.
-  explicit KernelPlane(const MovingKernel& kernel) {
+  explicit KernelPlane(const MovingKernel& kernel, bool orthographic = false) {
     using Eigen::Vector3d;
     const int axis_exponent =
         exponent(std::max<double>(kernel.axis_u.cwiseAbs().maxCoeff(), kernel.axis_v.cwiseAbs().maxCoeff()));
@@ -61,6 +65,10 @@ class KernelPlane {
     const Vector3d a = axis_unit * kernel.axis_u.cast<double>(), b = axis_unit * kernel.axis_v.cast<double>();
     const Vector3d c = length_unit * kernel.center, m = length_unit * kernel.velocity;
     const Vector3d n = a.cross(b);
+    if (orthographic) {
+      set_parallel(kernel, a, b, axis_exponent);
+      return;
+    }
     const double lengths_per_axis = power_of_two(length_exponent - axis_exponent);
     normal_ = n.cast<T>();
     u_ = in_range(lengths_per_axis * b.cross(c));
@@ -96,19 +104,47 @@ class KernelPlane {
     return !(outside_.x() * x + outside_.y() * y + outside_.z() < T(0));
   }
 
-  /// For the ray (x, y, 1), x and y being tangents.
+  /// For the ray (x, y, 1), x and y being tangents; of an orthographic camera for the one from (x, y, 0).
   [[nodiscard]] RayCoordinates<T> along(T x, T y) const {
     const T inverse = T(1) / (normal_.x() * x + normal_.y() * y + normal_.z());
     const T from_x = x - center_x_, from_y = y - center_y_;
     return {(u_.x() * from_x + u_.y() * from_y + u_center_) * inverse,
             (v_.x() * from_x + v_.y() * from_y + v_center_) * inverse,
-            z_ * inverse,
+            (z_ - (z_x_ * from_x + z_y_ * from_y)) * inverse,
             (du_.x() * x + du_.y() * y + du_.z()) * inverse,
             (dv_.x() * x + dv_.y() * y + dv_.z()) * inverse,
             dz_ * inverse};
   }
 
  private:
+  /// Of an orthographic camera; `a` and `b` are the axes less their power of two.
+  void set_parallel(const MovingKernel& kernel, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                    int axis_exponent) {
+    using Eigen::Vector3d;
+    const Vector3d n = a.cross(b), c = kernel.center, m = kernel.velocity;
+    const double per_axis = power_of_two(-axis_exponent);
+    normal_ = Vector3d(0.0, 0.0, n.z()).cast<T>();
+    u_ = in_range(per_axis * Vector3d(b.y(), -b.x(), 0.0));
+    v_ = in_range(per_axis * Vector3d(-a.y(), a.x(), 0.0));
+    du_ = in_range(per_axis * Vector3d(0.0, 0.0, b.x() * m.y() - b.y() * m.x()));
+    dv_ = in_range(per_axis * Vector3d(0.0, 0.0, m.x() * a.y() - m.y() * a.x()));
+    const Vector3 depths = in_range(Vector3d(n.z() * c.z(), n.dot(m), 0.0));
+    z_ = depths.x();
+    dz_ = depths.y();
+    z_x_ = static_cast<T>(n.x());
+    z_y_ = static_cast<T>(n.y());
+    const Vector3 center = in_range(c);
+    center_x_ = center.x();
+    center_y_ = center.y();
+    // Seen exactly edge-on a side is turned away, as one that is seen at all is not.
+    const auto along_ray = [](const Eigen::Vector3f& outside) {
+      const bool known = !outside.isZero(0.0f);
+      return Vector3(T(0), T(0), known && outside.z() == 0.0f ? T(1) : static_cast<T>(outside.z()));
+    };
+    facing_ = along_ray(kernel.facing);
+    outside_ = along_ray(kernel.outside);
+    oriented_ = !kernel.outside.isZero(0.0f);
+  }
   /// e with 2^(e−1) ≤ largest < 2^e, within ±1000: powers of two are then normal numbers, and what is beyond
   /// is in range all the same when they are taken out.
   static int exponent(double largest) {
@@ -126,6 +162,7 @@ class KernelPlane {
   Vector3 normal_, u_, v_, du_, dv_, facing_, outside_;
   bool oriented_;
   T z_, dz_;
+  T z_x_ = T(0), z_y_ = T(0);            ///< of an orthographic camera
   T center_x_ = T(0), center_y_ = T(0);  ///< the ray from which (u, v) are evaluated
   T u_center_ = T(0), v_center_ = T(0);  ///< their numerators there
 };

@@ -54,6 +54,14 @@ PixelBox project_disc(const Eigen::Vector3d& c, const Eigen::Vector3d& a, const 
           p.center_y + p.focal_px * y.high};
 }
 
+/// Of an orthographic camera.
+PixelBox parallel_box(const Eigen::Vector3d& c, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                      const Projection& p) {
+  const double x = std::hypot(a.x(), b.x()), y = std::hypot(a.y(), b.y());
+  return {p.center_x + p.focal_px * (c.x() - x), p.center_x + p.focal_px * (c.x() + x),
+          p.center_y + p.focal_px * (c.y() - y), p.center_y + p.focal_px * (c.y() + y)};
+}
+
 /// Corners of the two parallelograms around the discs: their hull contains the tube. Its part beyond the near
 /// plane is the hull of the corners there and of the edges' crossings.
 bool project_clipped(const std::array<Eigen::Vector3d, 8>& corners, const Projection& p, double near,
@@ -131,6 +139,10 @@ bool screen_bounds(const MovingKernel& kernel, const Projection& projection, dou
   const Eigen::Vector3d a = kernel.axis_u.cast<double>(), b = kernel.axis_v.cast<double>();
   const double reach = std::hypot(a.z(), b.z());
   if (std::max(c0.z(), c1.z()) + reach < near) return false;
+  if (projection.orthographic) {
+    octagon = {padded(parallel_box(c0, a, b, projection)), padded(parallel_box(c1, a, b, projection))};
+    return true;
+  }
   if (std::min(c0.z(), c1.z()) - reach > near) {
     octagon = {padded(project_disc(c0, a, b, projection)), padded(project_disc(c1, a, b, projection))};
     return true;

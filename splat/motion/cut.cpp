@@ -111,7 +111,7 @@ PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
 /// Pixels per unit of camera space; 0 where nothing is seen, give or take a frame.
 double PathCutter::visible_scale(const Eigen::Vector3d& center) const {
   if (!(center.z() > scene_.camera.near)) return 0.0;
-  const double scale = projection_.focal_px / center.z();
+  const double scale = projection_.focal_px / projection_.divisor(center.z());
   const double x = projection_.center_x - 0.5 * scene_.film.width + center.x() * scale;
   const double y = projection_.center_y - 0.5 * scene_.film.height + center.y() * scale;
   return std::abs(x) <= scene_.film.width && std::abs(y) <= scene_.film.height ? scale : 0.0;

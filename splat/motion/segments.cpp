@@ -58,7 +58,7 @@ Deviation deviation_of(const Probe& probe, int segments, const Projection& proje
     const double share = (probe.time[middle] - probe.time[first]) / length;
     const Eigen::Vector3d chord = probe.center[first] + share * (probe.center[last] - probe.center[first]);
     if (!(truth.z() > near)) continue;
-    const double per_unit = projection.focal_px / truth.z();
+    const double per_unit = projection.focal_px / projection.divisor(truth.z());
     // Only what can be seen matters, give or take a frame.
     const double from_middle_x = projection.center_x - 0.5 * film.width + truth.x() * per_unit;
     const double from_middle_y = projection.center_y - 0.5 * film.height + truth.y() * per_unit;

@@ -160,19 +160,20 @@ void PythonScene::add_splats(const py::dict& from) {
 }
 
 void PythonScene::look_at(const std::vector<double>& eye, const std::vector<double>& target,
-                          const std::vector<double>& up, double fov_y_degrees) {
+                          const std::vector<double>& up, double fov_y_degrees, double height) {
   LookAtKey key;
   key.frame = own().frame;
   key.eye = vector_of(eye, "eye");
   key.target = vector_of(target, "target");
   key.up = vector_of(up, "up");
-  key.tan_half_fov_y = tan_half(fov_y_degrees);
+  key.tan_half_fov_y = height != 0.0 ? 0.5 * height : tan_half(fov_y_degrees);
   const double near = scene_.camera.near;
-  scene_.camera = CameraTrack{{}, {key}, near};
+  scene_.camera = CameraTrack{{}, {key}, near, height != 0.0};
   check(scene_.camera.validate());
 }
 
-void PythonScene::look_along(const py::array_t<double>& camera_to_world, double fov_y_degrees, bool opencv) {
+void PythonScene::look_along(const py::array_t<double>& camera_to_world, double fov_y_degrees, double height,
+                             bool opencv) {
   if (camera_to_world.ndim() != 2 || camera_to_world.shape(0) != 4 || camera_to_world.shape(1) != 4)
     throw py::value_error("camera_to_world must have the shape (4, 4)");
   Eigen::Matrix3d axes;
@@ -187,8 +188,8 @@ void PythonScene::look_along(const py::array_t<double>& camera_to_world, double 
     throw py::value_error("camera_to_world must be a rotation and a translation");
   key.world_from_camera = Eigen::Quaterniond(axes).normalized();
   key.frame = own().frame;
-  key.tan_half_fov_y = tan_half(fov_y_degrees);
-  scene_.camera = CameraTrack{{key}, {}, scene_.camera.near};
+  key.tan_half_fov_y = height != 0.0 ? 0.5 * height : tan_half(fov_y_degrees);
+  scene_.camera = CameraTrack{{key}, {}, scene_.camera.near, height != 0.0};
   check(scene_.camera.validate());
 }
 
@@ -207,7 +208,7 @@ void PythonScene::frame_points(double fov_y_degrees) {
   const io::Framing framing =
       checked(io::frame_points(points, 0.0, front, tan_y * scene_.film.width / scene_.film.height, tan_y));
   look_at({framing.eye.x(), framing.eye.y(), framing.eye.z()},
-          {framing.target.x(), framing.target.y(), framing.target.z()}, {0.0, 1.0, 0.0}, fov_y_degrees);
+          {framing.target.x(), framing.target.y(), framing.target.z()}, {0.0, 1.0, 0.0}, fov_y_degrees, 0.0);
 }
 
 std::size_t PythonScene::views() const {

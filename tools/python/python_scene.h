@@ -30,8 +30,9 @@ class PythonScene {
   void add_points(const pybind11::dict& arrays);
   void add_splats(const pybind11::dict& arrays);
   void look_at(const std::vector<double>& eye, const std::vector<double>& target,
-               const std::vector<double>& up, double fov_y_degrees);
-  void look_along(const pybind11::array_t<double>& camera_to_world, double fov_y_degrees, bool opencv);
+               const std::vector<double>& up, double fov_y_degrees, double height);
+  void look_along(const pybind11::array_t<double>& camera_to_world, double fov_y_degrees, double height,
+                  bool opencv);
   /// From the front and a little above, so that all points are seen.
   void frame_points(double fov_y_degrees);
   /// How many of the arrays given are looked into where they are.

@@ -168,6 +168,7 @@ bool raycast_available() { return true; }
 
 Result<Rendered> render_raycast(const Scene& scene, const RaycastOptions& options) {
   if (Status status = refuse_lens(scene, "the ray caster"); !status) return status.error();
+  if (Status status = refuse_orthographic(scene, "the ray caster"); !status) return status.error();
   if (Status status = refuse_row_delay(scene, "the ray caster"); !status) return status.error();
   RenderControl control;
   control.threads = options.threads;

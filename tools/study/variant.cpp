@@ -19,8 +19,9 @@ std::vector<double> motions_px(Scene scene) {
   const KernelSet set = build_kernels(scene);
   const auto place = [&](const MovingKernel& kernel, double tau) -> Eigen::Vector2d {
     const Eigen::Vector3d p = kernel.center + (tau - 0.5) * kernel.velocity;
-    return {set.projection.center_x + set.projection.focal_px * p.x() / p.z(),
-            set.projection.center_y + set.projection.focal_px * p.y() / p.z()};
+    const double divisor = set.projection.divisor(p.z());
+    return {set.projection.center_x + set.projection.focal_px * p.x() / divisor,
+            set.projection.center_y + set.projection.focal_px * p.y() / divisor};
   };
   const auto on_film = [&](const Eigen::Vector2d& p) {
     return p.x() >= 0.0 && p.y() >= 0.0 && p.x() <= scene.film.width && p.y() <= scene.film.height;

@@ -28,7 +28,8 @@ __all__ = [
 @dataclass
 class Camera:
     """Where the picture is seen from: `eye`, `target` and `up`, or `matrix`, camera to world, 4 × 4, with the axes of
-    OpenGL (y up, looking along −z) or, if `opencv`, of OpenCV (y down, looking along z). `fov` is vertical, degrees.
+    OpenGL (y up, looking along −z) or, if `opencv`, of OpenCV (y down, looking along z). `fov` is vertical, degrees; with
+    `height`, of what the film shows in world units, the camera is orthographic and there is none.
     """
 
     eye: tuple = (0.0, 0.0, 5.0)
@@ -37,6 +38,7 @@ class Camera:
     fov: float = 40.0
     matrix: object = None
     opencv: bool = False
+    height: float = 0.0
 
 
 @dataclass
@@ -84,9 +86,11 @@ class Scene:
         """Sets the camera; a Camera or a dictionary of its members."""
         camera = Camera(**camera) if isinstance(camera, dict) else camera
         if camera.matrix is not None:
-            self._scene.look_along(_np.asarray(camera.matrix, dtype=_np.float64), camera.fov, camera.opencv)
+            self._scene.look_along(_np.asarray(camera.matrix, dtype=_np.float64), camera.fov, camera.height,
+                                   camera.opencv)
         else:
-            self._scene.look_at(_numbers(camera.eye), _numbers(camera.target), _numbers(camera.up), camera.fov)
+            self._scene.look_at(_numbers(camera.eye), _numbers(camera.target), _numbers(camera.up), camera.fov,
+                                camera.height)
         self._placed = True
 
     def add_points(self, positions, velocities=None, colors=None, *, normals=None, radii=None, axes_u=None,

@@ -26,8 +26,10 @@ class Camera:
     fov: float
     matrix: Optional[ArrayLike]
     opencv: bool
+    height: float
     def __init__(self, eye: Sequence[float] = ..., target: Sequence[float] = ..., up: Sequence[float] = ...,
-                 fov: float = ..., matrix: Optional[ArrayLike] = ..., opencv: bool = ...) -> None: ...
+                 fov: float = ..., matrix: Optional[ArrayLike] = ..., opencv: bool = ...,
+                 height: float = ...) -> None: ...
 
 class Statistics:
     counters: dict[str, float]

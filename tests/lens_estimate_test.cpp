@@ -1,0 +1,279 @@
+// How many looks through a lens an error takes, and the lens of triangles and of splats.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "abuffer/lens_looks.h"
+#include "abuffer/reference/reference.h"
+#include "abuffer/sampled.h"
+#include "abuffer/stochastic/stochastic.h"
+#include "tests/small_scenes.h"
+#include "tests/splat_scenes.h"
+
+namespace swept {
+namespace {
+
+Rendered rendered(const Scene& scene, const SampledOptions& options) {
+  Result<Rendered> result = render_sampled(scene, options);
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  return result.ok() ? std::move(*result) : Rendered{};
+}
+Rendered to_db(const Scene& scene, double db) {
+  SampledOptions options;
+  options.max_error_db = db;
+  return rendered(scene, options);
+}
+Image with_samples(const Scene& scene, int samples) {
+  SampledOptions options;
+  options.samples = samples;
+  return rendered(scene, options).image;
+}
+Image reference(const Scene& scene, int samples) {
+  Result<Rendered> result = render_reference(scene, {samples, ReferenceMotion::smooth});
+  EXPECT_TRUE(result.ok()) << result.error().message();
+  return result.ok() ? std::move(result->image) : Image{};
+}
+
+void open_lens(Scene& scene, double diameter, double focus, int points = 0, int blades = 0) {
+  scene.camera.aperture = {0.5 * diameter, blades, 0.0, points};
+  for (LookAtKey& key : scene.camera.look_ats) key.lens.focus = focus;
+}
+
+TEST(LensLooks, HalvesFillLensAndTimeByThemselves) {
+  Scene scene = test::stage();
+  open_lens(scene, 2.0, 5.0);
+  const LensLooks looks(scene, 0);
+  ASSERT_TRUE(looks.any() && !looks.given());
+  for (const int begin : {0, 64, 128}) {
+    const int count = begin == 128 ? 128 : 64;
+    double x = 0.0, y = 0.0, square = 0.0, time = 0.0;
+    std::vector<int> strata(static_cast<std::size_t>(count));
+    for (int i = begin; i < begin + count; ++i) {
+      const LensLook look = looks.at(i, 1);
+      EXPECT_LE(look.point.norm(), 1.0);
+      x += look.point.x() / count, y += look.point.y() / count;
+      square += look.point.squaredNorm() / count;
+      time += look.share / count;
+      ++strata[static_cast<std::size_t>(look.share * count)];
+    }
+    // At random 0.06, 0.06, 0.04 and 0.04 would be due.
+    EXPECT_NEAR(x, 0.0, 0.03) << begin;
+    EXPECT_NEAR(y, 0.0, 0.03) << begin;
+    EXPECT_NEAR(square, 0.5, 0.01) << begin;
+    EXPECT_NEAR(time, 0.5, 0.005) << begin;
+    for (const int in_stratum : strata) EXPECT_EQ(in_stratum, 1) << begin;
+  }
+}
+
+/// Balls at random depths, some of which move, one of them transparent; lens and focus at random.
+Scene any_scene(unsigned seed) {
+  test::Random random(seed);
+  Scene scene = test::stage();
+  scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
+  for (int n = 0; n < 5; ++n) {
+    Object object = test::checkered_sphere(random(0.2, 0.8), 150 + 60 * n);
+    const Eigen::Vector3d at(random(-1.6, 1.6), random(-1.2, 1.2), random(-4.0, 2.5));
+    const double px = std::pow(2.0, random(-2.0, 5.0));
+    const double way = px * (5.0 - at.z()) / 48.0;
+    const Eigen::Vector3d to = at + way * random.vector(-1.0, 1.0).normalized();
+    test::move(object, at, n % 2 == 0 ? at : to, n == 3 ? random(0.0, 1.0) : 0.0);
+    if (n == 4) object.cloud.opacity.assign(object.cloud.size(), 0.5f);
+    scene.objects.push_back(std::move(object));
+  }
+  open_lens(scene, random(0.05, 0.6), random(2.5, 8.0), 0, seed % 3 == 0 ? 6 : 0);
+  if (seed % 4 == 0) {
+    scene.camera.look_ats.push_back(scene.camera.look_ats.front());
+    scene.camera.look_ats[1].frame = 1.0;
+    scene.camera.look_ats[1].lens.focus *= 1.3;
+  }
+  return scene;
+}
+
+/// What the sequence comes to, from many more looks than are judged.
+Image truth_of(const Scene& scene) {
+  Scene many = scene;
+  many.camera.aperture.samples = 4096;
+  return with_samples(many, 4096);
+}
+
+TEST(LensEstimate, MeetsWhatIsAskedForOnScenesItWasNotMadeFor) {
+  int met[3] = {0, 0, 0};
+  double worst_ratio = 0.0, logs = 0.0, looks = 0.0;
+  const double asked[3] = {45.0, 60.0, 75.0};
+  constexpr unsigned scenes = 10;
+  for (unsigned seed = 1; seed <= scenes; ++seed) {
+    const Scene scene = any_scene(seed);
+    const Image truth = truth_of(scene);
+    // 4096 points are some 70 dB themselves: the most is judged by twice as many looks of the other kind.
+    for (int k = 0; k < 2; ++k) {
+      const Rendered image = to_db(scene, asked[k]);
+      const double reached = test::psnr_db(image.image, truth);
+      const double expected = image.statistics.counter("expected_psnr_db").value_or(0.0);
+      const double ratio = std::pow(10.0, (expected - reached) / 20.0);
+      met[k] += reached >= asked[k] ? 1 : 0;
+      EXPECT_GE(reached, asked[k] - 2.0) << seed;
+      EXPECT_LE(image.statistics.counter("instants_per_pixel").value_or(0.0), 4096.0) << seed;
+      if (k == 1) {
+        worst_ratio = std::max(worst_ratio, ratio);
+        logs += std::log(ratio) / scenes;
+        looks += image.statistics.counter("instants_per_pixel").value_or(0.0) / scenes;
+      }
+    }
+  }
+  std::printf(
+      "met of %u: 45 dB %d, 60 dB %d; true to estimated error at 60 dB: mean %.2f, worst %.2f; %.0f looks\n",
+      scenes, met[0], met[1], std::exp(logs), worst_ratio, looks);
+  EXPECT_GE(met[0], 8);
+  EXPECT_GE(met[1], 8);
+  EXPECT_LE(worst_ratio, 2.0);
+}
+
+TEST(LensEstimate, WhatIsNotBlurredTakesFewLooks) {
+  Scene scene = test::stage();
+  Object object;
+  test::add_disc(object, {0, 0, 0}, {0, 0, 1}, 1.0);
+  scene.objects = {object};
+  open_lens(scene, 0.4, 5.0);
+  const Rendered sharp = to_db(scene, 60.0);
+  EXPECT_LE(sharp.statistics.counter("most_instants").value_or(0.0), 16.0);
+  open_lens(scene, 0.4, 2.0);
+  const Rendered blurred = to_db(scene, 60.0);
+  EXPECT_GE(blurred.statistics.counter("most_instants").value_or(0.0), 64.0);
+  EXPECT_LE(to_db(scene, 40.0).statistics.counter("instants_per_pixel").value_or(0.0),
+            0.5 * blurred.statistics.counter("instants_per_pixel").value_or(0.0));
+  // With an estimate there is a channel of it, and time can be spent by it.
+  SampledOptions options;
+  options.error_channel = true;
+  const Rendered estimated = rendered(scene, options);
+  ASSERT_EQ(estimated.image.channels.size(), 1u);
+  double most = 0.0;
+  for (const float error : estimated.image.channels[0].values) most = std::max(most, double{error});
+  EXPECT_GT(most, 0.0);
+  options = {};
+  options.max_seconds = 0.2;
+  EXPECT_GE(test::psnr_db(rendered(scene, options).image, blurred.image), 30.0);
+}
+
+TEST(LensEstimate, CropsAndThreadsChangeNoBit) {
+  Scene scene = any_scene(4);
+  scene.film = {160, 120, 0, 0, 0, 0};
+  const Image whole = to_db(scene, 50.0).image;
+  RenderControl control;
+  control.threads = 1;
+  SampledOptions options;
+  options.max_error_db = 50.0;
+  EXPECT_EQ(render_sampled(scene, options, control)->image.rgba, whole.rgba);
+  scene.film.crop_x = 50, scene.film.crop_y = 40, scene.film.crop_width = 33, scene.film.crop_height = 37;
+  const Image crop = to_db(scene, 50.0).image;
+  for (int y = 0; y < 37; ++y)
+    for (int x = 0; x < 4 * 33; ++x)
+      ASSERT_EQ(crop.rgba[static_cast<std::size_t>(4 * y * 33 + x)],
+                whole.rgba[static_cast<std::size_t>(4 * ((y + 40) * 160 + 50) + x)]);
+}
+
+/// Triangles near and far, opaque and not, two meshes of them, which turn.
+Scene of_triangles(bool moves) {
+  Scene scene = test::stage();
+  scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
+  test::Random random(9);
+  for (int n = 0; n < 2; ++n) {
+    Object object;
+    for (int t = 0; t < 15; ++t) {
+      const Eigen::Vector3d middle(random(-1.5, 1.5), random(-1.2, 1.2), random(-3.0, 2.0));
+      for (int i = 0; i < 3; ++i) {
+        test::add_disc(object, middle + random.vector(-0.6, 0.6), {0, 0, 1}, 0.1,
+                       random.vector(0.0, 1.0).cast<float>());
+        object.cloud.opacity.push_back(n == 0 ? 1.0f : 0.6f);
+      }
+      const auto first = static_cast<std::uint32_t>(3 * t);
+      object.triangles.push_back({first, first + 1, first + 2});
+    }
+    test::move(object, {0, 0, 0}, moves ? Eigen::Vector3d(-0.3, 0.2 * n, 0.3) : Eigen::Vector3d(0, 0, 0),
+               moves ? 0.5 : 0.0);
+    scene.objects.push_back(std::move(object));
+  }
+  return scene;
+}
+
+TEST(LensOfTriangles, IsThatOfTheReference) {
+  Scene scene = of_triangles(false);
+  open_lens(scene, 0.3, 5.0, 24, 5);
+  EXPECT_GE(test::psnr_db(with_samples(scene, 1), reference(scene, 2)), 70.0);
+  scene = of_triangles(true);
+  open_lens(scene, 0.3, 5.0, 8);
+  // Keyed: the focus is pulled while the shutter is open.
+  scene.camera.look_ats.push_back(scene.camera.look_ats.front());
+  scene.camera.look_ats[1].frame = 1.0;
+  scene.camera.look_ats[1].lens.focus = 4.0;
+  EXPECT_GE(test::psnr_db(with_samples(scene, 8 * 128), reference(scene, 128)), 70.0);
+  // As many points as the error takes, against random samples of lens and time.
+  open_lens(scene, 0.3, 5.0);
+  const Rendered image = to_db(scene, 60.0);
+  scene.camera.aperture.samples = 1024;
+  EXPECT_GE(test::psnr_db(image.image, with_samples(scene, 2048)), 58.0);
+  EXPECT_GE(image.statistics.counter("expected_psnr_db").value_or(0.0), 60.0);
+  // A mesh by itself.
+  scene.objects.resize(1);
+  StochasticOptions options;
+  options.samples = 2048;
+  const auto random = render_stochastic(scene, options);
+  ASSERT_TRUE(random.ok());
+  EXPECT_GE(test::psnr_db(with_samples(scene, 2048), random->image), 38.0);
+}
+
+TEST(LensOfTriangles, AmongDiscs) {
+  Scene scene = of_triangles(true);
+  Object ball = test::checkered_sphere(0.6, 200);
+  test::move(ball, {0.3, 0, -1}, {-0.3, 0.1, -0.5});
+  scene.objects.push_back(std::move(ball));
+  open_lens(scene, 0.3, 5.0, 8);
+  EXPECT_GE(test::psnr_db(with_samples(scene, 8 * 64), reference(scene, 64)), 60.0);
+}
+
+TEST(LensOfSplats, IsThatOfTheReference) {
+  for (const bool flat : {false, true}) {
+    Scene scene = test::random_splats(150, 5);
+    scene.film = {75, 50, 0, 0, 0, 0};
+    SplatCloud& cloud = scene.objects.front().splats;
+    cloud.flat = flat;
+    if (flat)
+      for (Eigen::Vector3f& scale : cloud.scale) scale.z() = 0.0f;
+    scene.shutter = {0.5, 0.5};
+    open_lens(scene, 0.4, 6.0, 16, 6);
+    EXPECT_GE(test::psnr_db(with_samples(scene, 1), reference(scene, 2)), 90.0) << flat;
+    scene.shutter = {0.0, 1.0};
+    EXPECT_GE(test::psnr_db(with_samples(scene, 16 * 16), reference(scene, 16)), 70.0) << flat;
+    open_lens(scene, 0.4, 6.0);
+    const Rendered image = to_db(scene, 60.0);
+    scene.camera.aperture.samples = 2048;
+    EXPECT_GE(test::psnr_db(image.image, with_samples(scene, 4096)), 60.0) << flat;
+  }
+}
+
+TEST(LensOfSplats, ARadiusOfZeroKeepsEveryBit) {
+  Scene scene = test::random_splats(200, 6);
+  const Image pinhole = to_db(scene, 60.0).image;
+  open_lens(scene, 0.0, 6.0, 64, 6);
+  EXPECT_EQ(to_db(scene, 60.0).image.rgba, pinhole.rgba);
+  Scene mesh = of_triangles(true);
+  const Image sharp = to_db(mesh, 50.0).image;
+  open_lens(mesh, 0.0, 6.0, 64, 6);
+  EXPECT_EQ(to_db(mesh, 50.0).image.rgba, sharp.rgba);
+}
+
+TEST(LensOfSplats, ASplatInFocusStaysSharp) {
+  Scene scene = test::one_splat({0.1, 0.2, 4.0}, 0.1f, 0.9f, 0.7f);
+  const Image sharp = with_samples(scene, 1);
+  open_lens(scene, 1.0, 4.0, 64);
+  EXPECT_GE(test::psnr_db(with_samples(scene, 1), sharp), 60.0);
+  // Spread over 8 px.
+  open_lens(scene, 1.0, 8.0, 64);
+  EXPECT_LE(test::psnr_db(with_samples(scene, 1), sharp), 40.0);
+}
+
+}  // namespace
+}  // namespace swept
