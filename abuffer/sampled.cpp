@@ -422,7 +422,7 @@ class Renderer {
     double surfels = 0.0, packets = 0.0, instants = 0.0, px = 0.0, squares = 0.0, worst = 0.0;
     int most = 0;
     for (const PointPackets& object : objects) {
-      surfels += static_cast<double>(object.object->cloud.size());
+      surfels += static_cast<double>(object.size);
       packets += static_cast<double>(object.count);
     }
     for (std::size_t i = 0; i < progress_.size(); ++i) {

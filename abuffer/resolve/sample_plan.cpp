@@ -24,8 +24,10 @@ float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets)
   for (const PacketRef packet : packets) {
     const double motion = double{bins.motion_px(packet)};
     if (motion == 0.0) continue;
-    squares += motion * motion;
-    count += 1.0;
+    // What a packet shows is shared among the cells that it comes by.
+    const double share = 1.0 / std::max(1.0, double{bins.cells_touched(packet)});
+    squares += share * motion * motion;
+    count += share;
   }
   return count > 0.0 ? static_cast<float>(std::sqrt(squares / count)) : 0.0f;
 }

@@ -10,6 +10,7 @@
 #include "abuffer/parallel.h"
 #include "abuffer/sources/content_order.h"
 #include "abuffer/sources/object_instant.h"
+#include "abuffer/sources/path_groups.h"
 #include "splat/motion/instant.h"
 #include "splat/motion/look.h"
 #include "splat/motion/path.h"
@@ -27,9 +28,14 @@ std::vector<double> pose_frames(const SurfelCloud& cloud, const Exposure& exposu
 }
 
 /// The poses of PointPackets.
-std::vector<PathWeights> poses_of(const SurfelCloud& cloud, const std::vector<double>& frames) {
+std::vector<PathWeights> poses_of(const SurfelCloud& cloud, const std::vector<double>& frames,
+                                  std::size_t degree) {
   std::vector<PathWeights> poses{path_weights(cloud, frames.front())};
   for (std::size_t j = 1; j < frames.size(); ++j) {
+    if (degree == 1) {
+      poses.push_back(path_weights(cloud, frames[j]));
+      continue;
+    }
     std::vector<PathWeights> controls = path_controls(cloud, frames[j - 1], frames[j]);
     for (std::size_t k = 1; k < controls.size(); ++k) poses.push_back(std::move(controls[k]));
   }
@@ -124,13 +130,15 @@ class Content {
 };
 
 /// Points along a space-filling curve; those in one cell of it by content.
-std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
-                                    const Exposure& exposure) {
+std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<std::uint32_t>& points,
+                                    const std::vector<PathWeights>& poses, const Exposure& exposure) {
   const SurfelsAt pose(cloud, poses.front());
   const Content content(cloud, poses, exposure);
-  return content_order(
-      cloud.size(), [&](std::size_t i) { return pose[i].position; },
-      [&](std::uint32_t a, std::uint32_t b) { return content.less(a, b); });
+  std::vector<std::uint32_t> order = content_order(
+      points.size(), [&](std::size_t i) { return pose[points[i]].position; },
+      [&](std::uint32_t a, std::uint32_t b) { return content.less(points[a], points[b]); });
+  for (std::uint32_t& i : order) i = points[i];
+  return order;
 }
 
 /// Origins, offsets, axes and the spheres that hold them.
@@ -202,22 +210,25 @@ void pack_sides(const SurfelCloud& cloud, PointPackets& packets) {
     if (cloud.is_oriented(packets.points[i])) packets.oriented[i / packet_size] |= 1u << i % packet_size;
 }
 
-PointPackets pack(const Object& object, const Exposure& exposure) {
+PointPackets pack(const Object& object, const Exposure& exposure, const std::vector<double>& frames,
+                  const PathGroup& group) {
   const SurfelCloud& cloud = object.cloud;
   PointPackets packets;
   packets.object = &object;
-  packets.frames = pose_frames(cloud, exposure);
-  packets.degree = path_degree(cloud);
-  packets.spins = cloud.spins();
-  const std::vector<PathWeights> poses = poses_of(cloud, packets.frames);
-  const std::vector<std::uint32_t> order = order_of(cloud, poses, exposure);
-  packets.count = (cloud.size() + packet_size - 1) / packet_size;
+  packets.frames = frames;
+  packets.degree = group.degree(cloud);
+  packets.spins = group.spins;
+  packets.mortal = group.mortal;
+  packets.size = group.points.size();
+  const std::vector<PathWeights> poses = poses_of(cloud, packets.frames, packets.degree);
+  const std::vector<std::uint32_t> order = order_of(cloud, group.points, poses, exposure);
+  packets.count = (packets.size + packet_size - 1) / packet_size;
   packets.points.resize(packets.count * packet_size);
   packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
   // The last packet repeats its last point where it has none.
   for (std::size_t i = 0; i < packets.points.size(); ++i)
     packets.points[i] = order[std::min(i, order.size() - 1)];
-  if (const std::size_t rest = cloud.size() % packet_size; rest != 0)
+  if (const std::size_t rest = packets.size % packet_size; rest != 0)
     packets.lanes.back() = (1u << rest) - 1u;
   pack_poses(cloud, poses, packets);
   pack_colors(cloud, exposure, packets);
@@ -225,15 +236,16 @@ PointPackets pack(const Object& object, const Exposure& exposure) {
   return packets;
 }
 
-/// A number that depends on what an object is and not on the order of its points.
+/// A number that depends on what the points are and not on their order.
 std::uint64_t content_hash(const PointPackets& packets, const Exposure& exposure) {
-  const Content content(packets.object->cloud, poses_of(packets.object->cloud, packets.frames), exposure);
+  const Content content(packets.object->cloud,
+                        poses_of(packets.object->cloud, packets.frames, packets.degree), exposure);
   std::uint64_t sum = packets.object->two_sided ? 1 : 2;
   sum += reduced(
-      packets.object->cloud.size(), std::uint64_t{0},
+      packets.size, std::uint64_t{0},
       [&](std::size_t begin, std::size_t end) {
         std::uint64_t part = 0;
-        for (std::size_t i = begin; i != end; ++i) part += content.hash(i);
+        for (std::size_t i = begin; i != end; ++i) part += content.hash(packets.points[i]);
         return part;
       },
       [](std::uint64_t a, std::uint64_t b) { return a + b; });
@@ -286,7 +298,7 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
     }
     found.axes = scratch.axes;
   }
-  if (!cloud.lifetime.empty())
+  if (mortal)
     for (std::uint32_t lane = 0; lane < packet_size; ++lane)
       if (!cloud.exists(points[p * packet_size + lane], instant.instant.frame)) found.lanes &= ~(1u << lane);
   return found;
@@ -325,8 +337,11 @@ std::size_t packed_bytes(const Scene& scene, const Exposure& exposure) {
 std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure, bool only_standing) {
   std::vector<PointPackets> objects;
   for (const Object& object : scene.objects)
-    if (object.discs() > 0 && !(only_standing && !stands_still(scene, object, exposure)))
-      objects.push_back(pack(object, exposure));
+    if (object.discs() > 0 && !(only_standing && !stands_still(scene, object, exposure))) {
+      const std::vector<double> frames = pose_frames(object.cloud, exposure);
+      for (const PathGroup& group : path_groups(object.cloud, frames))
+        objects.push_back(pack(object, exposure, frames, group));
+    }
   if (objects.size() < 2) return objects;
   std::vector<std::uint64_t> hashes(objects.size());
   parallel_for_each_index(objects.size(),

@@ -1,4 +1,5 @@
-// The points of one object in packets of sixteen neighbours, as the sampled engine reads them.
+// Points of one object in packets of sixteen neighbours, as the sampled engine reads them. Those whose paths
+// call for more than others have packets of their own (path_groups.h).
 //
 // Coordinates are floats from an origin of the packet's own, which is a double: survey coordinates keep their
 // digits. The order depends on what the points are, never on the order in which they came.
@@ -35,8 +36,10 @@ struct LookOfPackets {
 struct PointPackets {
   const Object* object = nullptr;
   std::size_t count = 0;       ///< packets
+  std::size_t size = 0;        ///< points
   std::size_t degree = 1;      ///< 1: straight lines, as linear keys and velocities have it
   bool spins = false;          ///< discs turn at rates of their own, which the poses do not have
+  bool mortal = false;         ///< points come or go
   std::vector<double> frames;  ///< where stretches begin and end, increasing; one: nothing moves
   std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
   std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
@@ -55,12 +58,13 @@ struct PointPackets {
 };
 
 /// Bytes that pack_points() keeps: 56 a point that stands still, 70 with a velocity, 36 for each further
-/// pose, 16 for each look beyond the first.
+/// pose, 16 for each look beyond the first. Where only some of an object's points curve, those of all if they
+/// did, which is more.
 [[nodiscard]] std::size_t packed_bytes(const Scene& scene, const Exposure& exposure);
 
-/// Packs every object of `scene` over `exposure`, or those that stand still in it. The objects come in an
-/// order that depends on their content, too; equal ones are interchangeable. Runs in the caller's task arena.
-/// `scene` must outlive the result.
+/// Packs every object of `scene` over `exposure`, or those that stand still in it, each group of its points
+/// by itself. They come in an order that depends on their content, too; equal ones are interchangeable. Runs
+/// in the caller's task arena. `scene` must outlive the result.
 [[nodiscard]] std::vector<PointPackets> pack_points(const Scene& scene, const Exposure& exposure,
                                                     bool only_standing = false);
 

@@ -64,7 +64,7 @@ std::size_t FilmSurfaces::instant_bytes() const {
 
 std::size_t FilmSurfaces::discs() const {
   std::size_t count = 0;
-  for (const PointPackets& object : discs_) count += object.object->cloud.size();
+  for (const PointPackets& object : discs_) count += object.size;
   return count;
 }
 

@@ -135,7 +135,7 @@ class ChangesOf {
 
   [[nodiscard]] double px(std::size_t p) const {
     double most = 0.0;
-    if (cloud_.lifetime.empty() && !packets_.spins && packets_.looks.empty()) return most;
+    if (!packets_.mortal && !packets_.spins && packets_.looks.empty()) return most;
     for (std::size_t lane = 0; lane < packet_size; ++lane) {
       const std::uint32_t i = packets_.points[p * packet_size + lane];
       if (packets_.spins) {
@@ -144,7 +144,7 @@ class ChangesOf {
                                                 double{packets_.radius[p]} * per_unit_));
       }
       if (!packets_.looks.empty()) most = std::max(most, px_of_looks(p, lane));
-      if (cloud_.lifetime.empty()) continue;
+      if (!packets_.mortal) continue;
       const Lifetime& life = cloud_.lifetime[i];
       const auto during = [&](double frame) { return frame > all_.open && frame < all_.close; };
       // All its pixels jump at once, which no alternating sum need see.
@@ -216,7 +216,7 @@ void PacketBins::follow(const Scene& scene, const Exposure& of_row, const PointP
     if (i > 0) instants.emplace_back(scene, packets, 0.5 * frames[i - 1] + 0.5 * frames[i]);
     instants.emplace_back(scene, packets, frames[i]);
   }
-  motion_[object].assign(packets.count, 0.0f);
+  motion_[object].assign(packets.count, {});
   const std::size_t runs = (packets.count + run - 1) / run, first_run = touched_.size();
   touched_.resize(first_run + runs);
   const double farthest = 4.0 * (film_.width + film_.height);
@@ -284,9 +284,9 @@ void PacketBins::follow(const Scene& scene, const Exposure& of_row, const PointP
       length *= seen;
       // Whatever may move is not still, however little.
       if (!still) length = std::max(length + changes.px(p), 1e-9);
-      motion_[object][p] = static_cast<float>(std::min(length, farthest));
       std::sort(cells.begin(), cells.end());
       cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+      motion_[object][p] = {static_cast<float>(std::min(length, farthest)), static_cast<float>(cells.size())};
       for (const std::uint32_t cell : cells)
         touches.push_back({cell, {static_cast<std::uint32_t>(object), static_cast<std::uint32_t>(p)}});
     }

@@ -55,7 +55,11 @@ class PacketBins {
     return std::span(entries_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
   }
   /// How far a packet's centre moves across the film over a row's exposure, px; 0 only where it stands still.
-  [[nodiscard]] float motion_px(PacketRef packet) const { return motion_[packet.object][packet.packet]; }
+  [[nodiscard]] float motion_px(PacketRef packet) const { return motion_[packet.object][packet.packet].px; }
+  /// How many cells it may touch, of those that there are.
+  [[nodiscard]] float cells_touched(PacketRef packet) const {
+    return motion_[packet.object][packet.packet].cells;
+  }
 
  private:
   void follow(const Scene& scene, const Exposure& exposure, const PointPackets& packets, std::size_t object);
@@ -63,7 +67,10 @@ class PacketBins {
   Film film_;
   int cell_height_;  ///< px
   std::size_t columns_, rows_;
-  std::vector<std::vector<float>> motion_;
+  struct Motion {
+    float px = 0.0f, cells = 0.0f;
+  };
+  std::vector<std::vector<Motion>> motion_;
   std::vector<std::size_t> starts_;
   std::vector<PacketRef> entries_;
 
