@@ -2,237 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include <tbb/blocked_range.h>
-
-#include "abuffer/parallel.h"
-#include "abuffer/progress_of.h"
-#include "abuffer/resolve/mesh_pixel.h"
-#include "abuffer/resolve/place_light.h"
-#include "abuffer/tiles/mesh_bins.h"
-#include "splat/motion/instant.h"
-#include "splat/stopwatch.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
-namespace {
 
-/// What all tiles share.
-struct MeshFilm {
-  const Scene& scene;
-  Exposure exposure, all;  ///< of the top row, and of all rows
-  std::vector<MovingMesh> meshes;
-  Projection projection;
-  std::size_t interval_limit;
-  std::stop_token stop;
-};
-
-struct Counters {
-  std::uint64_t intervals = 0, most_intervals = 0, split_tiles = 0, pixels = 0, mixed_pixels = 0;
-  PlaceCounters sweep;
-};
-
-/// One thread's tile: intervals of a window, then pixel by pixel. Its memory is kept from tile to tile.
-class MeshTile {
- public:
-  MeshTile(const MeshFilm& film, Image& image) : film_(film), image_(image) {}
-
-  /// Halves the window until its intervals fit; a single pixel always does.
-  void render(const Window& window, std::span<const MeshBins::Entry> entries) {
-    if (film_.stop.stop_requested()) return;
-    if (!gather(window, entries)) {
-      ++counters.split_tiles;
-      const auto [first, second] = window.halves();
-      render(first, entries);
-      render(second, entries);
-      return;
-    }
-    resolve(window);
-  }
-
-  Counters counters;
-  [[nodiscard]] const PlaceCounters& sweep_counters() const { return sweep_.counters; }
-
- private:
-  [[nodiscard]] Eigen::Vector3d ray(int x, int y, double dx, double dy) const {
-    const Projection& p = film_.projection;
-    return {(x + 0.5 + dx - p.center_x) / p.focal_px, (y + 0.5 + dy - p.center_y) / p.focal_px, 1.0};
-  }
-  [[nodiscard]] PlaceRays rays(int x, int y) const {
-    PlaceRays result;
-    for (std::size_t k = 0; k < pixel_places; ++k)
-      result[k] = ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]});
-    return result;
-  }
-
-  bool gather(const Window& window, std::span<const MeshBins::Entry> entries) {
-    intervals_.clear();
-    triangles_.clear();
-    const bool divisible = window.width * window.height > 1;
-    const double half = 0.5 / film_.projection.focal_px;
-    rows_.clear();
-    for (int y = window.y; y < window.y + window.height; ++y)
-      rows_.emplace_back(film_.all, film_.exposure.of_row(y));
-    for (const MeshBins::Entry& entry : entries) {
-      const FilmHull hull = hull_of(film_.meshes[entry.mesh], entry.stretch, entry.triangle, film_.projection,
-                                    film_.scene.camera.near);
-      if (hull.count == 0) continue;
-      std::optional<TriangleStretch> triangle;
-      const auto pixel = [](double at, int begin, int end) {
-        return static_cast<int>(std::clamp<double>(std::floor(at), begin, end));
-      };
-      const int top = pixel(hull.y_min - 1.0, window.y, window.y + window.height),
-                bottom = pixel(hull.y_max + 2.0, window.y, window.y + window.height);
-      const std::size_t before = intervals_.size();
-      for (int y = top; y < bottom; ++y) {
-        double left, right;
-        if (!hull.span(y - 1e-3, y + 1.0 + 1e-3, left, right)) continue;
-        const int first = pixel(left - 1e-3, window.x, window.x + window.width),
-                  last = pixel(right + 1.0 + 1e-3, window.x, window.x + window.width);
-        if (first >= last) continue;
-        if (film_.stop.stop_requested()) return true;
-        if (!triangle)
-          triangle.emplace(film_.meshes[entry.mesh], entry.mesh, entry.stretch, entry.triangle,
-                           film_.scene.camera.near, film_.projection.orthographic);
-        const LightOverTime& light = rows_[static_cast<std::size_t>(y - window.y)];
-        for (int x = first; x < last; ++x) {
-          if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;
-          const auto local =
-              static_cast<std::uint32_t>((y - window.y) * window.width + (x - window.x)) * pixel_places;
-          for (std::uint32_t k = 0; k < pixel_places; ++k)
-            triangle->meet(ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]}),
-                           light.from(), light.to(), local + k, static_cast<std::uint32_t>(triangles_.size()),
-                           intervals_);
-        }
-        if (divisible && intervals_.size() > film_.interval_limit) return false;
-      }
-      if (intervals_.size() > before) triangles_.push_back(*triangle);
-    }
-    return true;
-  }
-
-  /// A stable counting sort: at a place intervals keep the order of meshes and their triangles.
-  void sort_by_place(const Window& window) {
-    const std::size_t places =
-        static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height) * pixel_places;
-    starts_.assign(places + 1, 0);
-    for (const PlaceInterval& i : intervals_) ++starts_[i.place + 1];
-    for (std::size_t p = 0; p < places; ++p) starts_[p + 1] += starts_[p];
-    sorted_.resize(intervals_.size());
-    fill_.assign(starts_.begin(), starts_.end() - 1);
-    for (const PlaceInterval& i : intervals_) sorted_[fill_[i.place]++] = i;
-  }
-
-  void resolve(const Window& window) {
-    sort_by_place(window);
-    counters.intervals += intervals_.size();
-    std::size_t place = 0;
-    for (int y = window.y; y < window.y + window.height; ++y)
-      for (int x = window.x; x < window.x + window.width; ++x, place += pixel_places) {
-        if (film_.stop.stop_requested()) return;
-        LightSum sum;
-        const std::size_t begin = starts_[place], end = starts_[place + pixel_places];
-        if (begin < end) resolve_pixel(x, y, rows_[static_cast<std::size_t>(y - window.y)], place, sum);
-        store(x, y, sum);
-      }
-  }
-
-  void resolve_pixel(int x, int y, const LightOverTime& light, std::size_t place, LightSum& sum) {
-    const std::size_t begin = starts_[place], end = starts_[place + pixel_places];
-    ++counters.pixels;
-    counters.most_intervals = std::max<std::uint64_t>(counters.most_intervals, end - begin);
-    const PlaceRays at = rays(x, y);
-    const std::uint32_t mesh = triangles_[sorted_[begin].source].mesh;
-    const std::span<PlaceInterval> all(sorted_.data() + begin, end - begin);
-    if (std::any_of(all.begin(), all.end(),
-                    [&](const PlaceInterval& i) { return triangles_[i.source].mesh != mesh; })) {
-      ++counters.mixed_pixels;
-      pixel_.resolve(all, triangles_, at, light, sweep_, sum);
-      return;
-    }
-    for (std::size_t k = 0; k < pixel_places; ++k) {
-      const std::size_t first = starts_[place + k], last = starts_[place + k + 1];
-      if (first == last) continue;
-      sweep_.cut(std::span(sorted_.data() + first, last - first), triangles_, at[k]);
-      LightSum of_place;
-      for (const PlacePiece& piece : sweep_.pieces()) {
-        const std::span<const std::uint32_t> seen(sweep_.seen().data() + piece.first, piece.count);
-        const bool even =
-            std::all_of(seen.begin(), seen.end(), [&](std::uint32_t t) { return triangles_[t].plain; });
-        add_light(
-            light.share(piece.begin), light.share(piece.end), even, light,
-            [&](double time) { return light_at(seen, triangles_, at[k], time); }, of_place);
-      }
-      sum.add(of_place, 1.0 / pixel_places);
-    }
-  }
-
-  void store(int x, int y, const LightSum& sum) {
-    const std::size_t i = static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) +
-                          static_cast<std::size_t>(x - image_.x);
-    const double left = std::max(0.0, 1.0 - sum.v[3]);
-    for (std::size_t c = 0; c < 4; ++c)
-      image_.rgba[4 * i + c] =
-          static_cast<float>(sum.v[c] + left * double{film_.scene.background[static_cast<int>(c)]});
-    image_.depth[i] =
-        sum.v[3] > 0.0 ? static_cast<float>(sum.v[4] / sum.v[3]) : std::numeric_limits<float>::infinity();
-  }
-
-  const MeshFilm& film_;
-  Image& image_;
-  PlaceSweep sweep_;
-  MeshPixel pixel_;
-  std::vector<LightOverTime> rows_;  ///< of the window
-  std::vector<TriangleStretch> triangles_;
-  std::vector<PlaceInterval> intervals_, sorted_;
-  std::vector<std::size_t> starts_, fill_;
-};
-
-void describe(const MeshFilm& film, const MeshBins& bins, const Counters& c, Statistics& s) {
-  std::size_t triangles = 0, stretches = 0;
-  int degree = 0;
-  for (const MovingMesh& mesh : film.meshes) {
-    triangles += mesh.object().triangles.size();
-    stretches = std::max(stretches, mesh.stretches());
-    degree = std::max(degree, mesh.degree());
-  }
-  s.count("triangles", static_cast<double>(triangles));
-  s.count("segments", static_cast<double>(stretches));
-  s.count("path_degree", degree);
-  s.count("tile_entries", static_cast<double>(bins.entry_count()));
-  s.count("tiles_split", static_cast<double>(c.split_tiles));
-  s.count("fragments", static_cast<double>(c.intervals));
-  s.count("fragments_in_fullest_pixel", static_cast<double>(c.most_intervals));
-  s.count("pixels_swept", static_cast<double>(c.pixels));
-  s.count("pixels_of_several_meshes", static_cast<double>(c.mixed_pixels));
-  s.count("intervals", static_cast<double>(c.sweep.pieces));
-  s.count("intervals_cut_by_crossings", static_cast<double>(c.sweep.crossings));
-  s.effect("motion blur: triangles swept at 16 places of a pixel, on paths of degree " +
-           std::to_string(degree) + " in " + std::to_string(stretches) +
-           (stretches == 1 ? " stretch" : " stretches at most"));
-}
-
-}  // namespace
-
-Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& options,
-                                     const RenderControl& control) {
-  Rendered out;
-  Stopwatch watch;
+Result<MeshFilm> MeshFilm::follow(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
+                                  const std::stop_token& stop) {
   const Exposure exposure = scene.exposure();
-  MeshFilm film{
-      scene, exposure, exposure.of_all_rows(scene.film.height), {}, {}, options.tile_fragments, control.stop};
+  MeshFilm film{scene, exposure, exposure.of_all_rows(scene.film.height), {}, {}, {}, limit, stop};
   film.projection = projection_of(scene.film, scene.camera.at(film.all.middle()));
   // A tenth of what chords may be off by: parabolas are that much better, and edges show it.
   const double tolerance_px = scene.motion.tolerance_px > 0.0 ? scene.motion.tolerance_px : 0.01;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (scene.objects[i].triangles.empty()) continue;
-    if (control.stop.stop_requested()) return stopped_error();
-    Result<MovingMesh> mesh =
-        MovingMesh::follow(scene, scene.objects[i], film.all, tolerance_px, control.stop);
+    throw_if_stopped(stop);
+    Result<MovingMesh> mesh = MovingMesh::follow(scene, scene.objects[i], film.all, tolerance_px, stop);
     if (!mesh) {
       Error error = mesh.error();
       error.field = "/objects/" + std::to_string(i);
@@ -240,36 +28,81 @@ Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& o
     }
     film.meshes.push_back(std::move(*mesh));
   }
-  out.statistics.time("paths", watch.lap());
-  out.image = blank_image(scene.film);
-  const MeshBins bins(film.meshes, film.projection, scene.camera.near,
-                      {out.image.x, out.image.y, out.image.width, out.image.height}, options.tile_px,
-                      control.stop);
-  if (control.stop.stop_requested()) return stopped_error();
-  out.statistics.time("bins", watch.lap());
-  PerThread<MeshTile> tiles([&] { return MeshTile(film, out.image); });
-  ProgressOf done(control, bins.tile_count());
-  parallel_for_parts(tbb::blocked_range<std::size_t>(0, bins.tile_count(), 1), [&](const auto& range) {
-    MeshTile& local = tiles.local();
-    for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
-      if (control.stop.stop_requested()) return;
-      local.render(bins.window(tile), bins.entries(tile));
-      done.one_more();
+  film.bins.emplace(film.meshes, film.projection, scene.camera.near, window, tile_px, stop);
+  throw_if_stopped(stop);
+  return film;
+}
+
+Eigen::Vector3d MeshFragments::ray(int x, int y, double dx, double dy) const {
+  const Projection& p = film_.projection;
+  return {(x + 0.5 + dx - p.center_x) / p.focal_px, (y + 0.5 + dy - p.center_y) / p.focal_px, 1.0};
+}
+
+PlaceRays MeshFragments::rays(int x, int y) const {
+  PlaceRays result;
+  for (std::size_t k = 0; k < pixel_places; ++k)
+    result[k] = ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]});
+  return result;
+}
+
+void MeshFragments::select(std::size_t tile) { entries_ = film_.bins->entries(tile); }
+
+bool MeshFragments::gather(const Window& window) {
+  intervals_.clear();
+  triangles_.clear();
+  const bool divisible = window.width * window.height > 1;
+  const double half = 0.5 / film_.projection.focal_px;
+  rows_.clear();
+  for (int y = window.y; y < window.y + window.height; ++y)
+    rows_.emplace_back(film_.all, film_.exposure.of_row(y));
+  for (const MeshBins::Entry& entry : entries_) {
+    const FilmHull hull = hull_of(film_.meshes[entry.mesh], entry.stretch, entry.triangle, film_.projection,
+                                  film_.scene.camera.near);
+    if (hull.count == 0) continue;
+    std::optional<TriangleStretch> triangle;
+    const auto pixel = [](double at, int begin, int end) {
+      return static_cast<int>(std::clamp<double>(std::floor(at), begin, end));
+    };
+    const int top = pixel(hull.y_min - 1.0, window.y, window.y + window.height),
+              bottom = pixel(hull.y_max + 2.0, window.y, window.y + window.height);
+    const std::size_t before = intervals_.size();
+    for (int y = top; y < bottom; ++y) {
+      double left, right;
+      if (!hull.span(y - 1e-3, y + 1.0 + 1e-3, left, right)) continue;
+      const int first = pixel(left - 1e-3, window.x, window.x + window.width),
+                last = pixel(right + 1.0 + 1e-3, window.x, window.x + window.width);
+      if (first >= last) continue;
+      if (film_.stop.stop_requested()) return true;
+      if (!triangle)
+        triangle.emplace(film_.meshes[entry.mesh], entry.mesh, entry.stretch, entry.triangle,
+                         film_.scene.camera.near, film_.projection.orthographic);
+      const LightOverTime& light = rows_[static_cast<std::size_t>(y - window.y)];
+      for (int x = first; x < last; ++x) {
+        if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;
+        const auto local =
+            static_cast<std::uint32_t>((y - window.y) * window.width + (x - window.x)) * pixel_places;
+        for (std::uint32_t k = 0; k < pixel_places; ++k)
+          triangle->meet(ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]}), light.from(),
+                         light.to(), local + k, static_cast<std::uint32_t>(triangles_.size()), intervals_);
+      }
+      if (divisible && intervals_.size() > film_.interval_limit) return false;
     }
-  });
-  if (control.stop.stop_requested()) return stopped_error();
-  out.statistics.time("tiles", watch.lap());
-  Counters total;
-  for (const MeshTile& tile : tiles) {
-    total.intervals += tile.counters.intervals;
-    total.most_intervals = std::max(total.most_intervals, tile.counters.most_intervals);
-    total.split_tiles += tile.counters.split_tiles;
-    total.pixels += tile.counters.pixels;
-    total.mixed_pixels += tile.counters.mixed_pixels;
-    total.sweep.add(tile.sweep_counters());
+    if (intervals_.size() > before) triangles_.push_back(*triangle);
   }
-  describe(film, bins, total, out.statistics);
-  return out;
+  sort_by_place(window);
+  return true;
+}
+
+/// A stable counting sort: at a place intervals keep the order of meshes and their triangles.
+void MeshFragments::sort_by_place(const Window& window) {
+  const std::size_t places =
+      static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height) * pixel_places;
+  starts_.assign(places + 1, 0);
+  for (const PlaceInterval& i : intervals_) ++starts_[i.place + 1];
+  for (std::size_t p = 0; p < places; ++p) starts_[p + 1] += starts_[p];
+  sorted_.resize(intervals_.size());
+  fill_.assign(starts_.begin(), starts_.end() - 1);
+  for (const PlaceInterval& i : intervals_) sorted_[fill_[i.place]++] = i;
 }
 
 }  // namespace swept

@@ -1,6 +1,7 @@
 #include "abuffer/resolve/mesh_pixel.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace swept {
@@ -51,6 +52,25 @@ void MeshPixel::look(double time) {
     return std::tie(a.depth, a.rgba[3], a.rgba[0], a.rgba[1], a.rgba[2]) <
            std::tie(b.depth, b.rgba[3], b.rgba[0], b.rgba[1], b.rgba[2]);
   });
+  if (!discs_.empty()) merge_discs(time);
+}
+
+/// Discs keep their order among themselves, and a mesh's surface lies before the first of them that is
+/// deeper.
+void MeshPixel::merge_discs(double time) {
+  const double share = light_->share(time);
+  const double at = last_share_ > first_share_ ? (share - first_share_) / (last_share_ - first_share_) : 0.5;
+  merged_.clear();
+  std::size_t next = 0;
+  for (std::uint32_t i = 0; i < discs_.size(); ++i) {
+    const MovingSurface::Look look = discs_[i].at(*model_, share - first_share_, at);
+    Surface disc{look.depth, {look.rgba[0], look.rgba[1], look.rgba[2], look.rgba[3]}, of_discs, i};
+    for (; next < surfaces_.size() && surfaces_[next].depth < disc.depth; ++next)
+      merged_.push_back(surfaces_[next]);
+    merged_.push_back(disc);
+  }
+  merged_.insert(merged_.end(), surfaces_.begin() + static_cast<std::ptrdiff_t>(next), surfaces_.end());
+  surfaces_.swap(merged_);
 }
 
 LightSum MeshPixel::light_at(double time) {
@@ -69,17 +89,29 @@ LightSum MeshPixel::light_at(double time) {
 MeshPixel::Order MeshPixel::order_at(double time) {
   look(time);
   Order order;
-  for (const Surface& surface : surfaces_) order.emplace_back(surface.mesh, surface.layer);
+  double left = 1.0;
+  for (const Surface& surface : surfaces_) {
+    order.emplace_back(surface.mesh, surface.layer);
+    // What changes places behind an opaque disc is not seen.
+    left *= 1.0 - surface.rgba[3];
+    if (!discs_.empty() && left < double{opaque_transmittance}) break;
+  }
   return order;
 }
 
-void MeshPixel::resolve(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
-                        const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep, LightSum& sum) {
+void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
+                      const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep) {
   triangles_ = &triangles;
   rays_ = &rays;
+  light_ = &light;
+  sweep_ = &sweep;
   tracks_.clear();
   times_.clear();
-  bool even = true;
+  next_time_ = 0;
+  plain_ = true;
+  discs_ = {};
+  nearest_ = std::numeric_limits<float>::infinity();
+  for (const PlaceInterval& i : intervals) nearest_ = std::min(nearest_, i.nearest);
   for (std::size_t first = 0; first < intervals.size();) {
     const auto mesh_of = [&](std::size_t i) { return triangles[intervals[i].source].mesh; };
     std::size_t last = first + 1;
@@ -94,46 +126,66 @@ void MeshPixel::resolve(std::span<PlaceInterval> intervals, const std::vector<Tr
       times_.push_back(piece.begin);
       times_.push_back(piece.end);
     }
-    for (const std::uint32_t t : sweep.seen()) even = even && triangles[t].plain;
+    for (const std::uint32_t t : sweep.seen()) plain_ = plain_ && triangles[t].plain;
     first = last;
   }
   std::stable_sort(tracks_.begin(), tracks_.end(),
                    [](const Track& a, const Track& b) { return a.mesh < b.mesh; });
   std::sort(times_.begin(), times_.end());
   times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
-  for (std::size_t e = 0; e + 1 < times_.size(); ++e) {
-    double begin = times_[e];
-    const double end = times_[e + 1];
-    on_.clear();
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-      Track& track = tracks_[t];
-      while (track.next < track.pieces.size() && track.pieces[track.next].end <= begin) ++track.next;
-      if (track.next < track.pieces.size() && track.pieces[track.next].begin <= begin) on_.push_back(t);
-    }
-    if (on_.empty()) continue;
-    const auto at = [&](double time) { return light_at(time); };
-    const bool one_mesh = tracks_[on_.front()].mesh == tracks_[on_.back()].mesh;
-    // Meshes change places where the depths of their surfaces do.
-    for (int changes = 0; !one_mesh && changes < 64; ++changes) {
-      const double hair = 0x1p-40 * (end - begin);
-      if (!(begin + hair < end - hair)) break;
-      const Order first = order_at(begin + hair);
-      double same = begin + hair, other = end - hair;
-      if (order_at(other) == first) {
-        other = 0.5 * begin + 0.5 * end;
-        if (order_at(other) == first) break;
-      }
-      while (other - same > 0x1p-44) {
-        const double half = 0.5 * same + 0.5 * other;
-        if (!(same < half && half < other)) break;
-        (order_at(half) == first ? same : other) = half;
-      }
-      add_light(light.share(begin), light.share(other), even, light, at, sum);
-      begin = other;
-      ++sweep.counters.crossings;
-    }
-    add_light(light.share(begin), light.share(end), even, light, at, sum);
+}
+
+void MeshPixel::add(double from, double to, LightSum& sum) {
+  for (double begin = from; begin < to;) {
+    while (next_time_ < times_.size() && times_[next_time_] <= begin) ++next_time_;
+    const double end = next_time_ < times_.size() ? std::min(to, times_[next_time_]) : to;
+    add_between_events(begin, end, sum);
+    begin = end;
   }
+}
+
+void MeshPixel::add(double from, double to, std::span<const MovingSurface> discs, const SurfaceModel& model,
+                    LightSum& sum) {
+  model_ = &model;
+  discs_ = discs;
+  first_share_ = light_->share(from);
+  last_share_ = light_->share(to);
+  add(from, to, sum);
+  discs_ = {};
+}
+
+void MeshPixel::add_between_events(double begin, double end, LightSum& sum) {
+  on_.clear();
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    Track& track = tracks_[t];
+    while (track.next < track.pieces.size() && track.pieces[track.next].end <= begin) ++track.next;
+    if (track.next < track.pieces.size() && track.pieces[track.next].begin <= begin) on_.push_back(t);
+  }
+  if (on_.empty() && discs_.empty()) return;
+  const bool even = plain_ && discs_.empty();
+  const auto at = [&](double time) { return light_at(time); };
+  const bool may_cross =
+      !on_.empty() && (!discs_.empty() || tracks_[on_.front()].mesh != tracks_[on_.back()].mesh);
+  // They change places where the depths of their surfaces do.
+  for (int changes = 0; may_cross && changes < 64; ++changes) {
+    const double hair = 0x1p-40 * (end - begin);
+    if (!(begin + hair < end - hair)) break;
+    const Order first = order_at(begin + hair);
+    double same = begin + hair, other = end - hair;
+    if (order_at(other) == first) {
+      other = 0.5 * begin + 0.5 * end;
+      if (order_at(other) == first) break;
+    }
+    while (other - same > 0x1p-44) {
+      const double half = 0.5 * same + 0.5 * other;
+      if (!(same < half && half < other)) break;
+      (order_at(half) == first ? same : other) = half;
+    }
+    add_light(light_->share(begin), light_->share(other), even, *light_, at, sum);
+    begin = other;
+    ++sweep_->counters.crossings;
+  }
+  add_light(light_->share(begin), light_->share(end), even, *light_, at, sum);
 }
 
 }  // namespace swept

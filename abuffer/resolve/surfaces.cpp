@@ -25,7 +25,8 @@ using Color = float __attribute__((vector_size(16)));
 
 }  // namespace
 
-void SurfaceStack::start(std::size_t places) {
+void SurfaceStack::start(std::size_t places, bool apart) {
+  apart_ = apart;
   ranking_.clear();
   ranked_.assign(places, 0);
 }
@@ -87,7 +88,7 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
     behind_to_[i] = std::min(behind_to_[i + 1], to_[i]);
   }
   weigh(begin, end);
-  if (range.max_tolerance == 0.0f && stand_alone(begin, end)) return end;
+  if (range.max_tolerance == 0.0f && !apart_ && stand_alone(begin, end)) return end;
   limit_ = -infinity;
   Ticks until = end;
   for (std::size_t first = 0; first < count && transmittance_ > opaque_transmittance;) {
@@ -462,6 +463,35 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
       model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, pixel, &span);
     }
   }
+}
+
+void SurfaceStack::hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters) {
+  ++counters.intervals;
+  const Members all = active_->members.view();
+  handed_members_.resize(order_.size());
+  handed_.clear();
+  for (const Surface& surface : surfaces_) {
+    for (std::size_t i = surface.first; i < surface.last; ++i) {
+      const std::uint32_t k = order_[i];
+      const double since = share_of(begin - active_->members.t_begin(k)), rate = all.field(member_rate)[k],
+                   z_rate = all.field(member_z_rate)[k];
+      SurfaceMember& member = handed_members_[i];
+      member = {all.field(member_y)[k] + rate * since,
+                rate,
+                all.field(member_peak)[k],
+                all.field(member_z)[k] + z_rate * since,
+                z_rate,
+                {},
+                {}};
+      for (std::size_t c = 0; c < 4; ++c) {
+        member.rgba_rate[c] = active_->rates.empty() ? 0.0 : double{active_->rates[k][c]};
+        member.rgba[c] = double{active_->colors[k][c]} + since * member.rgba_rate[c];
+      }
+    }
+    handed_.emplace_back().members =
+        std::span(handed_members_).subspan(surface.first, surface.last - surface.first);
+  }
+  sink.piece(begin, end, handed_);
 }
 
 /// Its members' mean depth as the piece begins and as it ends.

@@ -9,6 +9,7 @@
 
 #include "abuffer/resolve/alone.h"
 #include "abuffer/resolve/members.h"
+#include "abuffer/resolve/moving_surface.h"
 #include "abuffer/simd/interval_math.h"
 #include "splat/interval/composite.h"
 #include "splat/interval/side.h"
@@ -104,8 +105,8 @@ class SurfaceStack {
 
   [[nodiscard]] const SurfaceModel& model() const { return model_; }
 
-  /// Before a pixel's first piece.
-  void start(std::size_t places);
+  /// Before a pixel's first piece. `apart`: its surfaces are handed over, not composited.
+  void start(std::size_t places, bool apart = false);
 
   /// Finds the surfaces of `active` from `begin` on, until `end` or the sooner time it returns: until then
   /// each keeps its members, and composite() can integrate its light. All of `active` must be there from
@@ -124,6 +125,8 @@ class SurfaceStack {
 
   /// Adds what was built over [begin, end], the end being the one that build() returned.
   void composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters);
+  /// Hands over the same.
+  void hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters);
 
  private:
   /// order_[first, last).
@@ -166,6 +169,7 @@ class SurfaceStack {
   };
   std::vector<Ranked> ranking_;       ///< by depth, as of the piece before
   std::vector<std::uint8_t> ranked_;  ///< by place: whether it is in ranking_
+  bool apart_ = false;                ///< surfaces are handed over
   bool in_order_ = false;             ///< order_ is by depth at this piece's begin
   std::vector<std::uint32_t> order_;  ///< slots: the members of the first surface, of the second, …
   std::vector<Surface> surfaces_;
@@ -183,6 +187,8 @@ class SurfaceStack {
   std::vector<float> mean_, swing_, variation_, depth_, depth_swing_;
   std::vector<float> at_begin_, at_end_;
   bool instants_known_ = false;
+  std::vector<MovingSurface> handed_;
+  std::vector<SurfaceMember> handed_members_;
 };
 
 }  // namespace swept

@@ -53,6 +53,15 @@ void PixelSweep::resolve(const FragmentArrays& fragments, const std::vector<Shad
   model_.finish(pixel);
 }
 
+void PixelSweep::resolve_into(PieceSink& sink, const FragmentArrays& fragments,
+                              const std::vector<Shade>& shades, const std::uint32_t* indices,
+                              std::size_t count, SweepCounters& counters, const ChangingShades& changes) {
+  PixelSum unused;
+  sink_ = &sink;
+  resolve(fragments, shades, indices, count, unused, counters, changes);
+  sink_ = nullptr;
+}
+
 void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
                        std::size_t count) {
   fragments_ = &fragments;
@@ -68,7 +77,7 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
   is_hidden_.assign(count, 0);
   front_limit_ = infinity;
   forget_hidden();
-  surfaces_.start(count);
+  surfaces_.start(count, sink_ != nullptr);
 }
 
 void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
@@ -203,8 +212,9 @@ void PixelSweep::forget_hidden() {
 /// Resolves one piece from `begin` on, up to the next event at least. Returns its end; `begin` itself if what
 /// is hidden has to be looked at from there.
 Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
-  const Ticks event = next_event();
-  if (active_.members.size() == 1 && step_ == 0 && hidden_.empty()) {
+  const Ticks latest = sink_ == nullptr ? shutter_close : sink_->end_after(begin);
+  const Ticks event = std::min(next_event(), latest);
+  if (active_.members.size() == 1 && step_ == 0 && hidden_.empty() && sink_ == nullptr) {
     ++counters_->intervals;
     ++counters_->evaluations;
     front_limit_ = infinity;
@@ -212,20 +222,21 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
              changes_.of == nullptr ? nullptr : active_.rates.front().data());
     return event;
   }
-  Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), shutter_close) : event;
+  Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), latest) : event;
   if (step_ > 0) admit(end);
   bool failed = false;
   while (step_ > 0) {
     counters_->evaluations += active_.members.size();
     FrontSum front = math_.front_over(active_.members.view(), begin, end);
     const Ticks longest = longest_step(front.fastest);
-    const Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
+    Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
+    if (sink_ != nullptr && !(front.limit < sink_->nearest())) kind = Front::other;
     if (kind == Front::covers || kind == Front::thin) {
       if (!hidden_.empty() && !(kind == Front::covers && front.opaque && front.limit < hidden_min_z_)) {
         reveal(begin);
         return begin;
       }
-      add_front(front, kind, share_of(end - begin), pixel);
+      add_front(front, kind, begin, end, pixel);
       ++counters_->intervals;
       if (end > event) ++counters_->merged;
       step_ = std::min(longest - longest / 8, (failed ? 1 : 2) * std::min(end - begin, shutter_close / 4));
@@ -303,7 +314,13 @@ DepthSpan PixelSweep::span_of(const FrontSum& front) {
   return {mean - change, mean + change};
 }
 
-void PixelSweep::add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const {
+void PixelSweep::add_front(const FrontSum& front, Front kind, Ticks begin, Ticks end, PixelSum& pixel) const {
+  if (sink_ != nullptr) {
+    const MovingSurface line = MovingSurface::line(model_, front.mean, front.swing, span_of(front));
+    sink_->piece(begin, end, {&line, 1});
+    return;
+  }
+  const double duration = share_of(end - begin);
   float transmittance = 1.0f;
   DepthSpan whole{}, half{};
   if (pixel.by_depth != nullptr) whole = span_of(front);
@@ -330,11 +347,16 @@ Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
       reveal(begin);
       return begin;
     }
-    surfaces_.composite(begin, piece_end, pixel, *counters_);
+    if (sink_ == nullptr)
+      surfaces_.composite(begin, piece_end, pixel, *counters_);
+    else
+      surfaces_.hand_over(begin, piece_end, *sink_, *counters_);
     front_limit_ = infinity;
     if (opaque) hide_what_is_behind(surfaces_.limit() + surfaces_.margin(), piece_end);
     // The sums of a front know no colours that change.
-    step_ = surfaces_.one_covers() && changes_.of == nullptr ? piece_end - begin : 0;
+    const bool known_by_sums =
+        changes_.of == nullptr && (sink_ == nullptr || surfaces_.limit() < sink_->nearest());
+    step_ = surfaces_.one_covers() && known_by_sums ? piece_end - begin : 0;
     begin = piece_end;
   }
   return end;

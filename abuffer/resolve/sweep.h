@@ -50,6 +50,10 @@ class PixelSweep {
   void resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
                const std::uint32_t* indices, std::size_t count, PixelSum& pixel, SweepCounters& counters,
                const ChangingShades& changes = {});
+  /// The same, but hands `sink` what it finds.
+  void resolve_into(PieceSink& sink, const FragmentArrays& fragments, const std::vector<Shade>& shades,
+                    const std::uint32_t* indices, std::size_t count, SweepCounters& counters,
+                    const ChangingShades& changes = {});
 
  private:
   void start(const FragmentArrays& fragments, const Shade* shades, const std::uint32_t* indices,
@@ -79,7 +83,7 @@ class PixelSweep {
   };
   [[nodiscard]] static DepthSpan span_of(const FrontSum& front);
   [[nodiscard]] Front kind_of(FrontSum& front, Ticks end) const;
-  void add_front(const FrontSum& front, Front kind, double duration, PixelSum& pixel) const;
+  void add_front(const FrontSum& front, Front kind, Ticks begin, Ticks end, PixelSum& pixel) const;
   Ticks advance(Ticks begin, PixelSum& pixel);
   Ticks resolve_stack(Ticks begin, Ticks end, PixelSum& pixel);
   [[nodiscard]] Ticks longest_step(float rate);
@@ -94,6 +98,7 @@ class PixelSweep {
   const std::uint32_t* indices_ = nullptr;
   SweepCounters* counters_ = nullptr;
   ChangingShades changes_;
+  PieceSink* sink_ = nullptr;  ///< who takes surfaces instead of the pixel, or nobody
 
   std::vector<std::uint64_t> begins_, by_bucket_;  ///< time above, place below; sorted
   std::vector<std::uint32_t> buckets_;

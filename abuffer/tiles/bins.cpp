@@ -26,12 +26,9 @@ bool faces_away(const MovingKernel& kernel, const PixelBox& box, const Projectio
 }  // namespace
 
 TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px, const std::stop_token& stop)
-    : film_(film_window),
-      tile_px_(tile_px),
-      columns_((film_window.width + tile_px - 1) / tile_px),
-      rows_((film_window.height + tile_px - 1) / tile_px),
-      starts_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1) {
-  const PixelBox film = film_.centers();
+    : tiles_(film_window, tile_px), starts_(tiles_.count() + 1) {
+  const PixelBox film = film_window.centers();
+  const auto columns = static_cast<int>(tiles_.columns()), rows = static_cast<int>(tiles_.rows());
   bool back = false;  // why for_each_tile found none
   const auto for_each_tile = [&](const MovingKernel& kernel, auto&& visit) {
     back = false;
@@ -43,14 +40,16 @@ TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px,
       return false;
     }
     const auto tile_of = [&](double position, int origin, int tiles) {
-      return static_cast<int>(std::clamp((position - origin) / tile_px_, 0.0, tiles - 1.0));
+      return static_cast<int>(std::clamp((position - origin) / tile_px, 0.0, tiles - 1.0));
     };
-    const int x0 = tile_of(box.x_min, film_.x, columns_), x1 = tile_of(box.x_max, film_.x, columns_);
-    const int y0 = tile_of(box.y_min, film_.y, rows_), y1 = tile_of(box.y_max, film_.y, rows_);
+    const int x0 = tile_of(box.x_min, film_window.x, columns),
+              x1 = tile_of(box.x_max, film_window.x, columns);
+    const int y0 = tile_of(box.y_min, film_window.y, rows), y1 = tile_of(box.y_max, film_window.y, rows);
     bool any = false;
     for (int ty = y0; ty <= y1; ++ty)
       for (int tx = x0; tx <= x1; ++tx) {
-        const std::size_t tile = static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) + tx;
+        const std::size_t tile =
+            static_cast<std::size_t>(ty) * tiles_.columns() + static_cast<std::size_t>(tx);
         if (!octagon.overlaps(window(tile).centers())) continue;
         any = true;
         visit(tile);
@@ -73,14 +72,6 @@ TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px,
     for_each_tile(set.kernels[k],
                   [&](std::size_t tile) { entries_[fill[tile]++] = static_cast<std::uint32_t>(k); });
   }
-}
-
-Window TileBins::window(std::size_t tile) const {
-  const int column = static_cast<int>(tile % static_cast<std::size_t>(columns_));
-  const int row = static_cast<int>(tile / static_cast<std::size_t>(columns_));
-  const int x = column * tile_px_, y = row * tile_px_;
-  return {film_.x + x, film_.y + y, std::min(tile_px_, film_.width - x),
-          std::min(tile_px_, film_.height - y)};
 }
 
 }  // namespace swept

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "abuffer/sources/rasterize.h"
+#include "abuffer/tiles/tile_grid.h"
 #include "splat/kernel/kernel_set.h"
 
 namespace swept {
@@ -18,7 +19,7 @@ class TileBins {
   TileBins(const KernelSet& set, const Window& film_window, int tile_px, const std::stop_token& stop);
 
   [[nodiscard]] std::size_t tile_count() const { return starts_.size() - 1; }
-  [[nodiscard]] Window window(std::size_t tile) const;
+  [[nodiscard]] Window window(std::size_t tile) const { return tiles_.window(tile); }
   /// Indices into the kernel set, increasing.
   [[nodiscard]] std::span<const std::uint32_t> kernels(std::size_t tile) const {
     return {entries_.data() + starts_[tile], entries_.data() + starts_[tile + 1]};
@@ -30,8 +31,7 @@ class TileBins {
   }  ///< seen from behind wherever they are
 
  private:
-  Window film_;
-  int tile_px_, columns_, rows_;
+  TileGrid tiles_;
   std::vector<std::size_t> starts_;
   std::vector<std::uint32_t> entries_;
   std::size_t outside_ = 0, facing_away_ = 0;

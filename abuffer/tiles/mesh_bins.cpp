@@ -57,10 +57,8 @@ FilmHull hull_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triang
 
 MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
                    const Window& film, int tile_px, const std::stop_token& stop)
-    : film_(film),
-      tile_px_(tile_px),
-      columns_(static_cast<std::size_t>((film.width + tile_px - 1) / tile_px)),
-      rows_(static_cast<std::size_t>((film.height + tile_px - 1) / tile_px)) {
+    : tiles_(film, tile_px) {
+  const std::size_t columns = tiles_.columns(), rows = tiles_.rows();
   struct Tiles {
     std::uint32_t x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
   };
@@ -82,13 +80,12 @@ MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& proj
       const double at = std::clamp(px - first, 0.0, 1e9) / tile_px;
       return static_cast<std::uint32_t>(std::min(static_cast<std::size_t>(at), count - 1));
     };
-    touched[i] = {tile(hull.x_min - margin, film.x, columns_),
-                  tile(hull.x_max + margin, film.x, columns_) + 1, tile(hull.y_min - margin, film.y, rows_),
-                  tile(hull.y_max + margin, film.y, rows_) + 1};
+    touched[i] = {tile(hull.x_min - margin, film.x, columns), tile(hull.x_max + margin, film.x, columns) + 1,
+                  tile(hull.y_min - margin, film.y, rows), tile(hull.y_max + margin, film.y, rows) + 1};
   });
   const auto for_each_tile = [&](const Tiles& range, const auto& visit) {
     for (std::size_t y = range.y_begin; y < range.y_end; ++y)
-      for (std::size_t x = range.x_begin; x < range.x_end; ++x) visit(y * columns_ + x);
+      for (std::size_t x = range.x_begin; x < range.x_end; ++x) visit(y * columns + x);
   };
   starts_.assign(tile_count() + 1, 0);
   for (const Tiles& range : touched) for_each_tile(range, [&](std::size_t tile) { ++starts_[tile + 1]; });
@@ -98,13 +95,6 @@ MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& proj
   std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
   for (std::size_t i = 0; i < all.size(); ++i)
     for_each_tile(touched[i], [&](std::size_t tile) { entries_[next[tile]++] = all[i]; });
-}
-
-Window MeshBins::window(std::size_t tile) const {
-  const int x = static_cast<int>(tile % columns_) * tile_px_,
-            y = static_cast<int>(tile / columns_) * tile_px_;
-  return {film_.x + x, film_.y + y, std::min(tile_px_, film_.width - x),
-          std::min(tile_px_, film_.height - y)};
 }
 
 }  // namespace swept

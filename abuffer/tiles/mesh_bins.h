@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "abuffer/sources/moving_mesh.h"
-#include "abuffer/tiles/bins.h"
+#include "abuffer/tiles/tile_grid.h"
 #include "splat/camera.h"
 
 namespace swept {
@@ -36,8 +36,8 @@ class MeshBins {
   MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
            const Window& film, int tile_px, const std::stop_token& stop);
 
-  [[nodiscard]] std::size_t tile_count() const { return columns_ * rows_; }
-  [[nodiscard]] Window window(std::size_t tile) const;
+  [[nodiscard]] std::size_t tile_count() const { return tiles_.count(); }
+  [[nodiscard]] Window window(std::size_t tile) const { return tiles_.window(tile); }
   /// By mesh, stretch and triangle.
   [[nodiscard]] std::span<const Entry> entries(std::size_t tile) const {
     return std::span(entries_).subspan(starts_[tile], starts_[tile + 1] - starts_[tile]);
@@ -45,9 +45,7 @@ class MeshBins {
   [[nodiscard]] std::size_t entry_count() const { return entries_.size(); }
 
  private:
-  Window film_;
-  int tile_px_;
-  std::size_t columns_, rows_;
+  TileGrid tiles_;
   std::vector<std::size_t> starts_;
   std::vector<Entry> entries_;
 };

@@ -1,0 +1,64 @@
+// A pixel of the exact method: discs, triangles, or both, each the cheapest way. For the project's own
+// sources. Source: model sections 1, 4 and 15.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "abuffer/resolve/mesh_pixel.h"
+#include "abuffer/resolve/still.h"
+#include "abuffer/resolve/sweep.h"
+
+namespace swept {
+
+/// What a pixel has of discs.
+struct DiscsOfPixel {
+  const FragmentArrays& fragments;
+  const std::vector<Shade>& shades;
+  std::span<std::uint32_t> indices;  ///< of fragments; may be put into another order
+  ChangingShades changes = {};
+};
+
+/// And of triangles, as MeshPixel::begin() takes it.
+struct TrianglesOfPixel {
+  std::span<PlaceInterval> intervals;
+  const std::vector<TriangleStretch>& triangles;
+  const PlaceRays& rays;
+  const LightOverTime& light;
+};
+
+/// A thread's.
+class ExactPixel {
+ public:
+  ExactPixel(const SurfaceModel& model, const IntervalMath& math)
+      : model_(model), still_(model), sweep_(model, math) {}
+
+  /// Discs of which none moves.
+  void add_still(const DiscsOfPixel& discs, PixelSum& pixel) const {
+    still_.resolve(discs.fragments, discs.shades, discs.indices.data(), discs.indices.size(), pixel);
+  }
+  void add(const DiscsOfPixel& discs, PixelSum& pixel, SweepCounters& counters) {
+    sweep_.resolve(discs.fragments, discs.shades, discs.indices.data(), discs.indices.size(), pixel, counters,
+                   discs.changes);
+  }
+  void add(const TrianglesOfPixel& triangles, PixelSum& pixel);
+  /// Both, of which neither is empty.
+  void add(const DiscsOfPixel& discs, const TrianglesOfPixel& triangles, PixelSum& pixel,
+           SweepCounters& counters);
+
+  [[nodiscard]] const PlaceCounters& places() const { return places_.counters; }
+  std::uint64_t pixels_of_several_meshes = 0;
+
+ private:
+  void add_one_mesh(const TrianglesOfPixel& triangles, LightSum& sum);
+
+  SurfaceModel model_;
+  StillPixel still_;
+  PixelSweep sweep_;
+  PlaceSweep places_;
+  MeshPixel meshes_;
+  std::vector<Ticks> breaks_;
+};
+
+}  // namespace swept

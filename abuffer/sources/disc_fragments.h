@@ -1,0 +1,62 @@
+// Fragments of moving discs. For the project's own sources. Source: model sections 2 and 6.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "abuffer/sources/fragment_source.h"
+#include "abuffer/tiles/bins.h"
+
+namespace swept {
+
+/// What all threads share of the discs of a scene.
+struct DiscFilm {
+  KernelSet set;
+  TileBins bins;
+  std::vector<Shade> shades;
+  std::vector<ShadeChange> changes;  ///< empty: no colour changes
+  RasterModel raster;
+  std::size_t fragment_limit;
+
+  DiscFilm(const Scene& scene, KernelSet kernels, const Window& window, int tile_px, std::size_t limit,
+           const std::stop_token& stop);
+};
+
+class DiscFragments final : public FragmentSource {
+ public:
+  /// `film` must outlive it.
+  explicit DiscFragments(const DiscFilm& film) : film_(film) {}
+
+  void select(std::size_t tile) override;
+  [[nodiscard]] bool gather(const Window& window) override;
+
+  [[nodiscard]] const DiscFilm& film() const { return film_; }
+  [[nodiscard]] const FragmentArrays& fragments() const { return fragments_; }
+  /// Indices of the fragments of a pixel, which is counted row by row within the window. They are in the
+  /// order of the kernels, and may be put into another.
+  [[nodiscard]] std::span<std::uint32_t> of_pixel(std::size_t local) {
+    return std::span(sorted_).subspan(starts_[local], starts_[local + 1] - starts_[local]);
+  }
+  /// Whether any fragment of the pixel is not is_still(), or changes its colour.
+  [[nodiscard]] bool moves(std::size_t local) const { return moving_[local] != 0; }
+  [[nodiscard]] bool changes_color(std::size_t local) const {
+    return !changing_.empty() && changing_[local] != 0;
+  }
+
+ private:
+  struct BoundedKernel {
+    std::uint32_t index;
+    Octagon octagon;
+  };
+  void sort_by_pixel(const Window& window);
+
+  const DiscFilm& film_;
+  std::vector<BoundedKernel> octagons_;
+  FragmentArrays fragments_;
+  std::vector<std::uint32_t> starts_, fill_, sorted_;
+  std::vector<std::uint8_t> moving_, changing_;  ///< by pixel
+};
+
+}  // namespace swept

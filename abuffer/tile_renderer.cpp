@@ -1,0 +1,114 @@
+#include "abuffer/tile_renderer.h"
+
+#include <algorithm>
+
+#include "splat/stopwatch.h"
+
+namespace swept {
+
+TileRenderer::TileRenderer(const TileWork& work, const FilmSink& film)
+    : work_(work),
+      film_(film),
+      pixel_(work.model, work.simd ? interval_math_builds().back() : interval_math_builds().front()),
+      still_by_interval_(work.model_by_interval) {
+  if (work.discs != nullptr) discs_.emplace(*work.discs);
+  if (work.meshes != nullptr) meshes_.emplace(*work.meshes);
+}
+
+SweepCounts TileRenderer::counts() const {
+  SweepCounts all = counters_;
+  all.places = pixel_.places();
+  all.pixels_of_several_meshes = pixel_.pixels_of_several_meshes;
+  return all;
+}
+
+void TileRenderer::render(std::size_t tile, const Window& window) {
+  if (discs_) discs_->select(tile);
+  if (meshes_) meshes_->select(tile);
+  render_part(window, true);
+}
+
+bool TileRenderer::gather(const Window& window) {
+  return (!discs_ || discs_->gather(window)) && (!meshes_ || meshes_->gather(window));
+}
+
+/// Halves the window until its fragments fit; a single pixel always does.
+void TileRenderer::render_part(const Window& window, bool whole) {
+  if (work_.stop.stop_requested()) return;
+  Stopwatch watch;
+  const bool fits = gather(window);
+  counters_.seconds_rasterize += watch.lap();
+  if (!fits) {
+    if (whole) ++counters_.split_tiles;
+    const auto [first, second] = window.halves();
+    render_part(first, false);
+    render_part(second, false);
+    return;
+  }
+  resolve(window);
+  counters_.seconds_resolve += watch.lap();
+}
+
+void TileRenderer::resolve(const Window& window) {
+  if (work_.stop.stop_requested()) return;
+  if (discs_) counters_.fragments += discs_->fragments().count;
+  if (meshes_) counters_.fragments += meshes_->interval_count();
+  std::size_t local = 0;
+  for (int y = window.y; y < window.y + window.height; ++y)
+    for (int x = window.x; x < window.x + window.width; ++x, ++local) {
+      if (work_.stop.stop_requested()) return;
+      resolve_pixel(window, x, y, local);
+    }
+}
+
+void TileRenderer::resolve_pixel(const Window& window, int x, int y, std::size_t local) {
+  PixelSum pixel = film_.begin(x, y);
+  const std::span<std::uint32_t> indices = discs_ ? discs_->of_pixel(local) : std::span<std::uint32_t>();
+  const std::span<PlaceInterval> intervals = meshes_ ? meshes_->of_pixel(local) : std::span<PlaceInterval>();
+  counters_.most_fragments =
+      std::max<std::uint64_t>(counters_.most_fragments, indices.size() + intervals.size());
+  const auto discs = [&] {
+    const DiscFilm& film = discs_->film();
+    DiscsOfPixel of{discs_->fragments(), film.shades, indices};
+    if (discs_->changes_color(local)) of.changes = {film.changes.data(), film.raster.row_delay * y};
+    return of;
+  };
+  if (!intervals.empty()) {
+    ++counters_.swept_pixels;
+    const PlaceRays rays = meshes_->rays(x, y);
+    const TrianglesOfPixel triangles{intervals, meshes_->triangles(), rays, meshes_->light(y - window.y)};
+    if (indices.empty()) {
+      pixel_.add(triangles, pixel);
+    } else {
+      ++counters_.pixels_of_both;
+      pixel_.add(discs(), triangles, pixel, counters_.sweep);
+    }
+  } else if (!indices.empty() && discs_->moves(local)) {
+    ++counters_.swept_pixels;
+    pixel_.add(discs(), pixel, counters_.sweep);
+  } else if (!indices.empty()) {
+    ++counters_.still_pixels;
+    if (work_.standing != nullptr) {
+      if (work_.model.per_pixel() || film_.wants_depths()) pixel_.add_still(discs(), pixel);
+      return store_standing(x, y, pixel, discs());
+    }
+    pixel_.add_still(discs(), pixel);
+  }
+  film_.store(x, y, pixel);
+}
+
+/// Alpha and depth do not depend on the normalisation, nor does the colour of a single surface.
+void TileRenderer::store_standing(int x, int y, const PixelSum& pixel, const DiscsOfPixel& discs) {
+  film_.store(x, y, pixel);
+  film_.replace(x, y, *work_.standing, false);
+  if (work_.model.per_pixel()) {
+    PixelSum by_interval;
+    still_by_interval_.resolve(discs.fragments, discs.shades, discs.indices.data(), discs.indices.size(),
+                               by_interval);
+    for (int c = 0; c < 3; ++c)
+      if (by_interval.rgba[c] != pixel.rgba[c]) return;
+  }
+  film_.replace(x, y, *work_.standing, true);
+}
+
+}  // namespace swept
