@@ -228,7 +228,10 @@ bool has_triangles(const Scene& scene) {
 
 /// What the sweep cannot do with triangles: discs that are seen in the same exposure.
 Status check_meshes(const Scene& scene, const AbufferOptions& options) {
-  if (!has_triangles(scene)) return Done{};
+  if (!has_triangles(scene)) {
+    if (options.place_intervals == 0) return Done{};
+    return Error{"", "place_intervals", "is for triangles, and the scene has none", ErrorKind::unsupported};
+  }
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].discs() > 0)
       return Error{"", "/objects/" + std::to_string(i),
@@ -344,6 +347,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
 Status AbufferOptions::validate() const {
   if (tile_px < 1 || tile_px > 4096) return Error{"", "tile_px", "must be in [1, 4096]"};
   if (tile_fragments == 0) return Error{"", "tile_fragments", "must be at least 1"};
+  if (place_intervals > 65536) return Error{"", "place_intervals", "must be in [0, 65536]"};
   if (deep && normalisation != Normalisation::interval)
     return Error{"", "deep", "goes with Normalisation::interval alone"};
   return Done{};

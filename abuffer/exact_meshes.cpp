@@ -12,6 +12,7 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
+#include "abuffer/resolve/lossy_intervals.h"
 #include "abuffer/resolve/mesh_pixel.h"
 #include "abuffer/resolve/place_light.h"
 #include "abuffer/tiles/mesh_bins.h"
@@ -27,19 +28,21 @@ struct MeshFilm {
   Exposure exposure, all;  ///< of the top row, and of all rows
   std::vector<MovingMesh> meshes;
   Projection projection;
-  std::size_t interval_limit;
+  std::size_t interval_limit, place_intervals;
   std::stop_token stop;
+  MeshProbe* probe;                           ///< may be null
+  std::vector<std::uint32_t> first_triangle;  ///< of each mesh, counted over all
 };
 
 struct Counters {
-  std::uint64_t intervals = 0, most_intervals = 0, split_tiles = 0, pixels = 0, mixed_pixels = 0;
+  std::uint64_t intervals = 0, held = 0, most_intervals = 0, split_tiles = 0, pixels = 0, mixed_pixels = 0;
   PlaceCounters sweep;
 };
 
 /// One thread's tile: intervals of a window, then pixel by pixel. Its memory is kept from tile to tile.
 class MeshTile {
  public:
-  MeshTile(const MeshFilm& film, Image& image) : film_(film), image_(image) {}
+  MeshTile(const MeshFilm& film, Image& image) : film_(film), image_(image), lossy_(film.place_intervals) {}
 
   /// Halves the window until its intervals fit; a single pixel always does.
   void render(const Window& window, std::span<const MeshBins::Entry> entries) {
@@ -72,6 +75,8 @@ class MeshTile {
   bool gather(const Window& window, std::span<const MeshBins::Entry> entries) {
     intervals_.clear();
     triangles_.clear();
+    std::size_t merged = 0;
+    shorten_at_ = lossy_.most() > 0 ? 4096 : std::numeric_limits<std::size_t>::max();
     const bool divisible = window.width * window.height > 1;
     const double half = 0.5 / film_.projection.focal_px;
     rows_.clear();
@@ -110,9 +115,30 @@ class MeshTile {
         }
         if (divisible && intervals_.size() > film_.interval_limit) return false;
       }
-      if (intervals_.size() > before) triangles_.push_back(*triangle);
+      if (intervals_.size() == before) continue;
+      triangles_.push_back(*triangle);
+      if (intervals_.size() <= shorten_at_) continue;
+      merged += intervals_.size();
+      shorten(window);
+      merged -= intervals_.size();
     }
+    counters.held = std::max<std::uint64_t>(counters.held, intervals_.size());
+    counters.intervals += intervals_.size() + merged;
     return true;
+  }
+
+  /// Merges what places have too many of, and puts the intervals in the order of places.
+  void shorten(const Window& window) {
+    counters.held = std::max<std::uint64_t>(counters.held, intervals_.size());
+    sort_by_place(window);
+    intervals_.clear();
+    for (std::size_t p = 0; p + 1 < starts_.size(); ++p) {
+      const std::span<PlaceInterval> of_place(sorted_.data() + starts_[p], starts_[p + 1] - starts_[p]);
+      const std::size_t left = lossy_.shorten(of_place, triangles_);
+      intervals_.insert(intervals_.end(), of_place.begin(),
+                        of_place.begin() + static_cast<std::ptrdiff_t>(left));
+    }
+    shorten_at_ = std::max<std::size_t>(4096, 2 * intervals_.size());
   }
 
   /// A stable counting sort: at a place intervals keep the order of meshes and their triangles.
@@ -127,9 +153,25 @@ class MeshTile {
     for (const PlaceInterval& i : intervals_) sorted_[fill_[i.place]++] = i;
   }
 
+  /// Leaves as many intervals at each place as are asked for.
+  void merge_places() {
+    std::size_t to = 0;
+    for (std::size_t p = 0; p + 1 < starts_.size(); ++p) {
+      const std::span<PlaceInterval> of_place(sorted_.data() + starts_[p], starts_[p + 1] - starts_[p]);
+      const std::size_t left = lossy_.finish(of_place, triangles_);
+      std::stable_sort(of_place.begin(), of_place.begin() + static_cast<std::ptrdiff_t>(left),
+                       [](const PlaceInterval& a, const PlaceInterval& b) { return a.source < b.source; });
+      std::copy_n(of_place.begin(), left, sorted_.begin() + static_cast<std::ptrdiff_t>(to));
+      starts_[p] = to;
+      to += left;
+    }
+    starts_.back() = to;
+    sorted_.resize(to);
+  }
+
   void resolve(const Window& window) {
     sort_by_place(window);
-    counters.intervals += intervals_.size();
+    if (lossy_.most() > 0) merge_places();
     std::size_t place = 0;
     for (int y = window.y; y < window.y + window.height; ++y)
       for (int x = window.x; x < window.x + window.width; ++x, place += pixel_places) {
@@ -138,6 +180,7 @@ class MeshTile {
         const std::size_t begin = starts_[place], end = starts_[place + pixel_places];
         if (begin < end) resolve_pixel(x, y, rows_[static_cast<std::size_t>(y - window.y)], place, sum);
         store(x, y, sum);
+        if (film_.probe != nullptr && begin < end) probe(x, y, place);
       }
   }
 
@@ -171,6 +214,29 @@ class MeshTile {
     }
   }
 
+  /// Names what is nearest at each of the probe's times, of all meshes.
+  void probe(int x, int y, std::size_t place) {
+    MeshProbe& probe = *film_.probe;
+    const PlaceRays at = rays(x, y);
+    std::size_t to = (static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) +
+                      static_cast<std::size_t>(x - image_.x)) *
+                     pixel_places * probe.times.size();
+    for (std::size_t k = 0; k < pixel_places; ++k) {
+      const std::size_t first = starts_[place + k], last = starts_[place + k + 1];
+      sweep_.cut(std::span(sorted_.data() + first, last - first), triangles_, at[k]);
+      std::size_t piece = 0;
+      for (const double time : probe.times) {
+        const std::vector<PlacePiece>& pieces = sweep_.pieces();
+        while (piece < pieces.size() && pieces[piece].end <= time) ++piece;
+        if (piece < pieces.size() && pieces[piece].begin <= time) {
+          const TriangleStretch& seen = triangles_[sweep_.seen()[pieces[piece].first]];
+          probe.triangles[to] = film_.first_triangle[seen.mesh] + seen.triangle;
+        }
+        ++to;
+      }
+    }
+  }
+
   void store(int x, int y, const LightSum& sum) {
     const std::size_t i = static_cast<std::size_t>(y - image_.y) * static_cast<std::size_t>(image_.width) +
                           static_cast<std::size_t>(x - image_.x);
@@ -184,6 +250,8 @@ class MeshTile {
 
   const MeshFilm& film_;
   Image& image_;
+  LossyIntervals lossy_;
+  std::size_t shorten_at_ = 0;
   PlaceSweep sweep_;
   MeshPixel pixel_;
   std::vector<LightOverTime> rows_;  ///< of the window
@@ -206,6 +274,7 @@ void describe(const MeshFilm& film, const MeshBins& bins, const Counters& c, Sta
   s.count("tile_entries", static_cast<double>(bins.entry_count()));
   s.count("tiles_split", static_cast<double>(c.split_tiles));
   s.count("fragments", static_cast<double>(c.intervals));
+  s.count("fragments_held", static_cast<double>(c.held));
   s.count("fragments_in_fullest_pixel", static_cast<double>(c.most_intervals));
   s.count("pixels_swept", static_cast<double>(c.pixels));
   s.count("pixels_of_several_meshes", static_cast<double>(c.mixed_pixels));
@@ -219,15 +288,24 @@ void describe(const MeshFilm& film, const MeshBins& bins, const Counters& c, Sta
 }  // namespace
 
 Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& options,
-                                     const RenderControl& control) {
+                                     const RenderControl& control, MeshProbe* probe) {
   Rendered out;
   Stopwatch watch;
   const Exposure exposure = scene.exposure();
-  MeshFilm film{
-      scene, exposure, exposure.of_all_rows(scene.film.height), {}, {}, options.tile_fragments, control.stop};
+  MeshFilm film{scene,
+                exposure,
+                exposure.of_all_rows(scene.film.height),
+                {},
+                {},
+                options.tile_fragments,
+                options.place_intervals,
+                control.stop,
+                probe,
+                {}};
   film.projection = projection_of(scene.film, scene.camera.at(film.all.middle()));
   // A tenth of what chords may be off by: parabolas are that much better, and edges show it.
   const double tolerance_px = scene.motion.tolerance_px > 0.0 ? scene.motion.tolerance_px : 0.01;
+  std::uint32_t triangles = 0;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (scene.objects[i].triangles.empty()) continue;
     if (control.stop.stop_requested()) return stopped_error();
@@ -238,10 +316,14 @@ Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& o
       error.field = "/objects/" + std::to_string(i);
       return error;
     }
+    film.first_triangle.push_back(triangles);
+    triangles += static_cast<std::uint32_t>(scene.objects[i].triangles.size());
     film.meshes.push_back(std::move(*mesh));
   }
   out.statistics.time("paths", watch.lap());
   out.image = blank_image(scene.film);
+  if (probe != nullptr)
+    probe->triangles.assign(out.image.pixel_count() * pixel_places * probe->times.size(), no_triangle);
   const MeshBins bins(film.meshes, film.projection, scene.camera.near,
                       {out.image.x, out.image.y, out.image.width, out.image.height}, options.tile_px,
                       control.stop);
@@ -262,6 +344,7 @@ Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& o
   Counters total;
   for (const MeshTile& tile : tiles) {
     total.intervals += tile.counters.intervals;
+    total.held = std::max(total.held, tile.counters.held);
     total.most_intervals = std::max(total.most_intervals, tile.counters.most_intervals);
     total.split_tiles += tile.counters.split_tiles;
     total.pixels += tile.counters.pixels;
