@@ -23,6 +23,9 @@ struct AbufferOptions {
   /// by least error (Gribel et al. 2010), in an order that depends on that of the meshes. 0: all. With
   /// meshes.
   std::size_t place_intervals = 0;
+  /// With meshes: leave out pixels, tiles and depths that triangles are known not to be seen in, before their
+  /// intervals are solved. false: not, to measure what it gains.
+  bool tile_tests = true;
   bool deep = false;  ///< fill Rendered::deep, too; with Normalisation::interval alone
 
   [[nodiscard]] Status validate() const;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,9 @@
 #include "abuffer/resolve/lossy_intervals.h"
 #include "abuffer/resolve/mesh_pixel.h"
 #include "abuffer/resolve/place_light.h"
+#include "abuffer/tiles/block_tests.h"
 #include "abuffer/tiles/mesh_bins.h"
+#include "abuffer/tiles/tile_cover.h"
 #include "splat/motion/instant.h"
 #include "splat/stopwatch.h"
 
@@ -29,6 +32,7 @@ struct MeshFilm {
   std::vector<MovingMesh> meshes;
   Projection projection;
   std::size_t interval_limit, place_intervals;
+  bool tile_tests;
   std::stop_token stop;
   MeshProbe* probe;                           ///< may be null
   std::vector<std::uint32_t> first_triangle;  ///< of each mesh, counted over all
@@ -72,59 +76,117 @@ class MeshTile {
     return result;
   }
 
+  /// From the nearest on, so that what hides comes before what it hides.
+  void order_entries(std::span<const MeshBins::Entry> entries) {
+    order_.clear();
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      order_.push_back({film_.tile_tests ? nearest_of(film_.meshes[entries[i].mesh], entries[i].stretch,
+                                                      entries[i].triangle, film_.scene.camera.near)
+                                         : 0.0f,
+                        static_cast<std::uint32_t>(i)});
+    std::sort(order_.begin(), order_.end());
+  }
+
   bool gather(const Window& window, std::span<const MeshBins::Entry> entries) {
     intervals_.clear();
     triangles_.clear();
-    std::size_t merged = 0;
+    entry_of_.clear();
+    merged_ = 0;
     shorten_at_ = lossy_.most() > 0 ? 4096 : std::numeric_limits<std::size_t>::max();
-    const bool divisible = window.width * window.height > 1;
-    const double half = 0.5 / film_.projection.focal_px;
     rows_.clear();
     for (int y = window.y; y < window.y + window.height; ++y)
       rows_.emplace_back(film_.all, film_.exposure.of_row(y));
-    for (const MeshBins::Entry& entry : entries) {
-      const FilmHull hull = hull_of(film_.meshes[entry.mesh], entry.stretch, entry.triangle, film_.projection,
-                                    film_.scene.camera.near);
-      if (hull.count == 0) continue;
-      std::optional<TriangleStretch> triangle;
-      const auto pixel = [](double at, int begin, int end) {
-        return static_cast<int>(std::clamp<double>(std::floor(at), begin, end));
-      };
-      const int top = pixel(hull.y_min - 1.0, window.y, window.y + window.height),
-                bottom = pixel(hull.y_max + 2.0, window.y, window.y + window.height);
-      const std::size_t before = intervals_.size();
-      for (int y = top; y < bottom; ++y) {
-        double left, right;
-        if (!hull.span(y - 1e-3, y + 1.0 + 1e-3, left, right)) continue;
-        const int first = pixel(left - 1e-3, window.x, window.x + window.width),
-                  last = pixel(right + 1.0 + 1e-3, window.x, window.x + window.width);
-        if (first >= last) continue;
-        if (film_.stop.stop_requested()) return true;
-        if (!triangle)
-          triangle.emplace(film_.meshes[entry.mesh], entry.mesh, entry.stretch, entry.triangle,
-                           film_.scene.camera.near);
-        const LightOverTime& light = rows_[static_cast<std::size_t>(y - window.y)];
-        for (int x = first; x < last; ++x) {
-          if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;
-          const auto local =
-              static_cast<std::uint32_t>((y - window.y) * window.width + (x - window.x)) * pixel_places;
-          for (std::uint32_t k = 0; k < pixel_places; ++k)
-            triangle->meet(ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]}),
-                           light.from(), light.to(), local + k, static_cast<std::uint32_t>(triangles_.size()),
-                           intervals_);
-        }
-        if (divisible && intervals_.size() > film_.interval_limit) return false;
-      }
-      if (intervals_.size() == before) continue;
-      triangles_.push_back(*triangle);
+    cover_.start(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height));
+    order_entries(entries);
+    for (const auto& [nearest, index] : order_) {
+      if (cover_.hides_tile(nearest)) break;
+      if (!gather_entry(window, entries[index], nearest)) return false;
+      if (film_.stop.stop_requested()) return true;
+      if (triangles_.size() > entry_of_.size()) entry_of_.push_back(index);
       if (intervals_.size() <= shorten_at_) continue;
-      merged += intervals_.size();
+      merged_ += intervals_.size();
       shorten(window);
-      merged -= intervals_.size();
+      merged_ -= intervals_.size();
     }
     counters.held = std::max<std::uint64_t>(counters.held, intervals_.size());
-    counters.intervals += intervals_.size() + merged;
+    counters.intervals += intervals_.size() + merged_;
+    restore_order();
     return true;
+  }
+
+  /// False: more intervals than one thread may hold, of more than a pixel.
+  bool gather_entry(const Window& window, const MeshBins::Entry& entry, float nearest) {
+    const FilmHull hull = hull_of(film_.meshes[entry.mesh], entry.stretch, entry.triangle, film_.projection,
+                                  film_.scene.camera.near);
+    if (hull.count == 0) return true;
+    std::optional<TriangleStretch> triangle;
+    const auto pixel = [](double at, int begin, int end) {
+      return static_cast<int>(std::clamp<double>(std::floor(at), begin, end));
+    };
+    const int top = pixel(hull.y_min - 1.0, window.y, window.y + window.height),
+              bottom = pixel(hull.y_max + 2.0, window.y, window.y + window.height);
+    const double half = 0.5 / film_.projection.focal_px;
+    const std::size_t before = intervals_.size();
+    for (int y = top; y < bottom; ++y) {
+      double left = hull.x_min, right = hull.x_max;
+      if (film_.tile_tests && !hull.span(y - 1e-3, y + 1.0 + 1e-3, left, right)) continue;
+      const int first = pixel(left - 1e-3, window.x, window.x + window.width),
+                last = pixel(right + 1.0 + 1e-3, window.x, window.x + window.width);
+      if (first >= last) continue;
+      if (film_.stop.stop_requested()) return true;
+      if (!triangle) {
+        triangle.emplace(film_.meshes[entry.mesh], entry.mesh, entry.stretch, entry.triangle,
+                         film_.scene.camera.near);
+        blocks_.start(window, film_.tile_tests && (hull.x_max - hull.x_min) * (bottom - top) > 256.0);
+      }
+      const LightOverTime& light = rows_[static_cast<std::size_t>(y - window.y)];
+      for (int x = first; x < last; ++x) {
+        const auto at = static_cast<std::uint32_t>((y - window.y) * window.width + (x - window.x));
+        if (film_.tile_tests) {
+          if (cover_.hides_pixel(at, nearest)) continue;
+          if (blocks_.misses(x, y, [&](double middle_x, double middle_y, double half_px) {
+                return triangle->misses(ray(0, 0, middle_x - 0.5, middle_y - 0.5),
+                                        half_px / film_.projection.focal_px,
+                                        half_px / film_.projection.focal_px);
+              }))
+            continue;
+          if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;
+        }
+        meet_pixel(*triangle, x, y, light, at * pixel_places, nearest);
+      }
+      if (window.width * window.height > 1 && intervals_.size() > film_.interval_limit) return false;
+    }
+    if (intervals_.size() > before) triangles_.push_back(*triangle);
+    return true;
+  }
+
+  void meet_pixel(const TriangleStretch& triangle, int x, int y, const LightOverTime& light,
+                  std::uint32_t place, float nearest) {
+    for (std::uint32_t k = 0; k < pixel_places; ++k) {
+      if (film_.tile_tests && cover_.hides_place(triangle.mesh, place + k, nearest)) continue;
+      const std::size_t before = intervals_.size();
+      triangle.meet(ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]}), light.from(),
+                    light.to(), place + k, static_cast<std::uint32_t>(triangles_.size()), intervals_);
+      if (!triangle.opaque) continue;
+      for (std::size_t i = before; i < intervals_.size(); ++i)
+        cover_.add(triangle.mesh, place + k, intervals_[i].begin, intervals_[i].end, intervals_[i].farthest,
+                   light.from(), light.to());
+    }
+  }
+
+  /// Numbers triangles as the mesh has them, which tells those at equal depths apart.
+  void restore_order() {
+    std::vector<std::uint32_t>& by_entry = rank_;
+    by_entry.resize(triangles_.size());
+    for (std::size_t t = 0; t < by_entry.size(); ++t) by_entry[t] = static_cast<std::uint32_t>(t);
+    std::sort(by_entry.begin(), by_entry.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return entry_of_[a] < entry_of_[b]; });
+    reordered_.clear();
+    for (const std::uint32_t t : by_entry) reordered_.push_back(triangles_[t]);
+    triangles_.swap(reordered_);
+    std::vector<std::uint32_t>& to = entry_of_;
+    for (std::size_t t = 0; t < by_entry.size(); ++t) to[by_entry[t]] = static_cast<std::uint32_t>(t);
+    for (PlaceInterval& i : intervals_) i.source = to[i.source];
   }
 
   /// Merges what places have too many of, and puts the intervals in the order of places.
@@ -141,7 +203,7 @@ class MeshTile {
     shorten_at_ = std::max<std::size_t>(4096, 2 * intervals_.size());
   }
 
-  /// A stable counting sort: at a place intervals keep the order of meshes and their triangles.
+  /// A stable counting sort.
   void sort_by_place(const Window& window) {
     const std::size_t places =
         static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height) * pixel_places;
@@ -159,8 +221,6 @@ class MeshTile {
     for (std::size_t p = 0; p + 1 < starts_.size(); ++p) {
       const std::span<PlaceInterval> of_place(sorted_.data() + starts_[p], starts_[p + 1] - starts_[p]);
       const std::size_t left = lossy_.finish(of_place, triangles_);
-      std::stable_sort(of_place.begin(), of_place.begin() + static_cast<std::ptrdiff_t>(left),
-                       [](const PlaceInterval& a, const PlaceInterval& b) { return a.source < b.source; });
       std::copy_n(of_place.begin(), left, sorted_.begin() + static_cast<std::ptrdiff_t>(to));
       starts_[p] = to;
       to += left;
@@ -194,6 +254,9 @@ class MeshTile {
     if (std::any_of(all.begin(), all.end(),
                     [&](const PlaceInterval& i) { return triangles_[i.source].mesh != mesh; })) {
       ++counters.mixed_pixels;
+      std::stable_sort(all.begin(), all.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
+        return std::tie(a.place, a.source) < std::tie(b.place, b.source);
+      });
       pixel_.resolve(all, triangles_, at, light, sweep_, sum);
       return;
     }
@@ -251,11 +314,15 @@ class MeshTile {
   const MeshFilm& film_;
   Image& image_;
   LossyIntervals lossy_;
-  std::size_t shorten_at_ = 0;
+  std::size_t shorten_at_ = 0, merged_ = 0;
+  TileCover cover_;
+  BlockTests blocks_;
+  std::vector<std::pair<float, std::uint32_t>> order_;  ///< entries by their nearest depth
+  std::vector<std::uint32_t> entry_of_, rank_;          ///< of triangles_
   PlaceSweep sweep_;
   MeshPixel pixel_;
   std::vector<LightOverTime> rows_;  ///< of the window
-  std::vector<TriangleStretch> triangles_;
+  std::vector<TriangleStretch> triangles_, reordered_;
   std::vector<PlaceInterval> intervals_, sorted_;
   std::vector<std::size_t> starts_, fill_;
 };
@@ -299,6 +366,7 @@ Result<Rendered> render_exact_meshes(const Scene& scene, const AbufferOptions& o
                 {},
                 options.tile_fragments,
                 options.place_intervals,
+                options.tile_tests,
                 control.stop,
                 probe,
                 {}};

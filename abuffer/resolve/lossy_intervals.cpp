@@ -43,7 +43,9 @@ double cost(const PlaceInterval& kept, const PlaceInterval& lost,
 
 void LossyIntervals::merge_to_most(const std::vector<TriangleStretch>& triangles) {
   std::sort(held_.begin(), held_.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
-    return std::tie(a.begin, a.source, a.end) < std::tie(b.begin, b.source, b.end);
+    // What they are, before where they come from: triangles may be renumbered in between.
+    return std::tie(a.begin, a.end, a.nearest, a.farthest, a.source) <
+           std::tie(b.begin, b.end, b.nearest, b.farthest, b.source);
   });
   // What opaque intervals in front leave no time of costs nothing.
   std::size_t seen = 0;

@@ -47,8 +47,7 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
       const auto depth = [&](std::size_t i) {
         const TriangleStretch& t = triangles[near_[i]->source];
         const double low = std::clamp(t.local(begin), 0.0, 1.0), high = std::clamp(t.local(end), low, 1.0);
-        const DepthOverTime whole = t.depth(ray);
-        return DepthOverTime{whole.above.part(low, high), whole.below.part(low, high)};
+        return t.depth(ray, low, high);
       };
       const DepthOverTime of_a = depth(a), of_b = depth(b);
       const Bernstein one = product(of_a.above, of_b.below), other = product(of_b.above, of_a.below);
@@ -72,7 +71,6 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
 
 void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStretch>& triangles,
                          const Eigen::Vector3d& ray) {
-  ++counters.pieces;
   PlacePiece piece{begin, end, static_cast<std::uint32_t>(seen_.size()), 0};
   if (near_.size() == 1) {
     seen_.push_back(near_.front()->source);
@@ -90,6 +88,14 @@ void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStr
     }
   }
   piece.count = static_cast<std::uint32_t>(seen_.size()) - piece.first;
+  // What begins or ends behind is no event.
+  if (!pieces_.empty() && pieces_.back().end == begin && pieces_.back().count == piece.count &&
+      std::equal(seen_.begin() + piece.first, seen_.end(), seen_.begin() + pieces_.back().first)) {
+    pieces_.back().end = end;
+    seen_.resize(piece.first);
+    return;
+  }
+  ++counters.pieces;
   pieces_.push_back(piece);
 }
 

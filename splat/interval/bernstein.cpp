@@ -136,26 +136,6 @@ double difference_of_products(double a, double b, double c, double d) {
   return std::fma(a, b, -cd) + error;
 }
 
-SignChanges two_roots(const Bernstein& p, const Signs& s) {
-  SignChanges changes;
-  changes.first = s.first;
-  // With r = t/(1 − t) it is c₀ + 2c₁r + c₂r²: roots above 0 are those sought.
-  const double c0 = p.c[0], c1 = p.c[1], c2 = p.c[2];
-  const double discriminant = difference_of_products(c1, c1, c0, c2);
-  if (!(discriminant > 0.0)) return changes;
-  const double root = std::sqrt(discriminant);
-  const double q = c1 > 0.0 ? -(c1 + root) : root - c1;
-  double r[2] = {q / c2, c0 / q};
-  if (!(r[0] < r[1])) std::swap(r[0], r[1]);
-  for (const double x : r) {
-    // t = r/(1 + r): beyond 1 it is more exact by the inverse.
-    if (!(x > 0.0) || !std::isfinite(x)) continue;
-    const double t = x <= 1.0 ? x / (1.0 + x) : 1.0 / (1.0 + 1.0 / x);
-    changes.at[static_cast<std::size_t>(changes.count++)] = t;
-  }
-  return changes;
-}
-
 /// All real roots of x³ + ax² + bx + c: the largest.
 double largest_cubic_root(double a, double b, double c) {
   const double q = (a * a - 3.0 * b) / 9.0, r = (a * (2.0 * a * a - 9.0 * b) + 27.0 * c) / 54.0;
@@ -363,6 +343,24 @@ SignChanges sign_changes_by_cutting(const Bernstein& polynomial) {
   return cutter.changes;
 }
 
+int quadratic_sign_changes(const double* c, double* at) {
+  // With r = t/(1 − t) it is c₀ + 2c₁r + c₂r²: roots above 0 are those sought.
+  const double c0 = c[0], c1 = c[1], c2 = c[2];
+  const double discriminant = difference_of_products(c1, c1, c0, c2);
+  if (!(discriminant > 0.0)) return 0;
+  const double root = std::sqrt(discriminant);
+  const double q = c1 > 0.0 ? -(c1 + root) : root - c1;
+  double r[2] = {q / c2, c0 / q};
+  if (!(r[0] < r[1])) std::swap(r[0], r[1]);
+  int count = 0;
+  for (const double x : r) {
+    // t = r/(1 + r): beyond 1 it is more exact by the inverse.
+    if (!(x > 0.0) || !std::isfinite(x)) continue;
+    at[count++] = x <= 1.0 ? x / (1.0 + x) : 1.0 / (1.0 + 1.0 / x);
+  }
+  return count;
+}
+
 SignChanges sign_changes_closed(const Bernstein& polynomial) {
   Bernstein p = polynomial;
   if (!in_range(p)) return {};
@@ -376,7 +374,8 @@ SignChanges sign_changes_closed(const Bernstein& polynomial) {
       changes.at[0] = p.c[0] / (p.c[0] - p.c[1]);
       return changes;
     case 2:
-      return two_roots(p, s);
+      changes.count = quadratic_sign_changes(p.c.data(), changes.at.data());
+      return changes;
     case 4:
       return four_roots(p, s);
     default:
