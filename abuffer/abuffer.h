@@ -12,7 +12,8 @@
 
 namespace SWEPT_API swept {
 
-/// None of these changes a bit of the image but `normalisation` and `place_intervals`.
+/// None of these changes a bit of the image but `normalisation` and `place_intervals`, and `tile_tests` last
+/// digits where several meshes share a pixel.
 struct AbufferOptions {
   int tile_px = 32;  ///< side of a tile; [1, 4096]
   std::size_t tile_fragments =

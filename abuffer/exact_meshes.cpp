@@ -84,7 +84,20 @@ class MeshTile {
                                                       entries[i].triangle, film_.scene.camera.near)
                                          : 0.0f,
                         static_cast<std::uint32_t>(i)});
-    std::sort(order_.begin(), order_.end());
+    const auto path = [&](std::uint32_t i, std::size_t corner) -> const Eigen::Vector3d& {
+      const MovingMesh& mesh = film_.meshes[entries[i].mesh];
+      return *mesh.path(entries[i].stretch, mesh.object().triangles[entries[i].triangle][corner]);
+    };
+    std::sort(order_.begin(), order_.end(), [&](const auto& a, const auto& b) {
+      if (a.first != b.first || !film_.tile_tests) return a < b;
+      // Equally near: by what they are, as the order of meshes must not matter.
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 3; ++axis) {
+          const double of_a = path(a.second, corner)[axis], of_b = path(b.second, corner)[axis];
+          if (of_a != of_b) return of_a < of_b;
+        }
+      return a.second < b.second;
+    });
   }
 
   bool gather(const Window& window, std::span<const MeshBins::Entry> entries) {

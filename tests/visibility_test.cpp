@@ -109,6 +109,32 @@ TEST(VisibilityAccuracy, RefusesByNameWhatItDoesNotMeasure) {
   EXPECT_EQ(discs.error().field, "/objects/1");
 }
 
+TEST(TileTests, ChangeNoBitOfAMesh) {
+  Scene scene = swarm(300, 8);
+  scene.film.width = 20, scene.film.height = 15;
+  AbufferOptions plain;
+  plain.tile_tests = false;
+  const Rendered all = value(render_abuffer(scene, plain)), tested = exact(scene, 0);
+  EXPECT_EQ(tested.image.rgba, all.image.rgba);
+  EXPECT_EQ(tested.image.depth, all.image.depth);
+  EXPECT_LT(test::counter(tested, "fragments"), 0.9 * test::counter(all, "fragments"));
+}
+
+TEST(TileTests, ChangeNothingButRoundingWhereMeshesShareAPixel) {
+  for (const bool transparent : {false, true}) {
+    Scene scene = swarm(60, 8, transparent);
+    scene.film.width = 20, scene.film.height = 15;
+    scene.objects.push_back(swarm(60, 9).objects[0]);
+    AbufferOptions plain;
+    plain.tile_tests = false;
+    const Rendered all = value(render_abuffer(scene, plain)), tested = exact(scene, 0);
+    // Sums of some 100 floats' worth of pieces, in another order.
+    for (std::size_t i = 0; i < all.image.rgba.size(); ++i)
+      ASSERT_NEAR(tested.image.rgba[i], all.image.rgba[i], 1e-6) << i;
+    EXPECT_LT(test::counter(tested, "fragments"), test::counter(all, "fragments"));
+  }
+}
+
 TEST(LossyIntervals, OfAsManyAsThereAreChangeNothing) {
   const Scene scene = swarm(80, 3);
   EXPECT_EQ(exact(scene, 65536).image.rgba, exact(scene, 0).image.rgba);
@@ -159,12 +185,12 @@ TEST(MeshTables, AreMeasuredOnMadeUpScenes) {
   std::size_t calls = 0;
   const auto done = [&](const StudyTable&) { ++calls; };
   const StudyTable table = visibility_table(scenes, {24, 64, true}, done);
-  ASSERT_EQ(table.rows.size(), 7u);
-  EXPECT_EQ(calls, 7u);
+  ASSERT_EQ(table.rows.size(), 8u);
+  EXPECT_EQ(calls, 8u);
   EXPECT_EQ(table.failed, 1u);
   EXPECT_EQ(table.rows[0][1], "all");
   EXPECT_GT(table.rows[0][2].get<double>(), 99.9);
-  EXPECT_EQ(table.rows[6][1], "no such file");
+  EXPECT_EQ(table.rows[7][1], "no such file");
   EXPECT_NE(markdown(table).find("| swarm | all |"), std::string::npos);
   EXPECT_EQ(to_json(table)["rows"][0].size(), table.columns.size());
 }

@@ -44,9 +44,13 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
   for (std::size_t a = 0; a < near_.size(); ++a)
     for (std::size_t b = a + 1; b < near_.size(); ++b) {
       if (near_[a]->farthest < near_[b]->nearest || near_[b]->farthest < near_[a]->nearest) continue;
+      // Over all the time that both are there, so that what begins or ends behind them changes no bit.
+      const double both_from = std::max(near_[a]->begin, near_[b]->begin),
+                   both_to = std::min(near_[a]->end, near_[b]->end);
       const auto depth = [&](std::size_t i) {
         const TriangleStretch& t = triangles[near_[i]->source];
-        const double low = std::clamp(t.local(begin), 0.0, 1.0), high = std::clamp(t.local(end), low, 1.0);
+        const double low = std::clamp(t.local(both_from), 0.0, 1.0),
+                     high = std::clamp(t.local(both_to), low, 1.0);
         return t.depth(ray, low, high);
       };
       const DepthOverTime of_a = depth(a), of_b = depth(b);
@@ -54,7 +58,7 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
       const int degree = std::max(one.degree, other.degree);
       const SignChanges changes = sign_changes(difference(one.raised(degree), other.raised(degree)));
       for (int k = 0; k < changes.count; ++k) {
-        const double t = begin + (end - begin) * changes.at[static_cast<std::size_t>(k)];
+        const double t = both_from + (both_to - both_from) * changes.at[static_cast<std::size_t>(k)];
         if (t > begin && t < end) crossings_.push_back(t);
       }
     }

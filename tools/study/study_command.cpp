@@ -147,7 +147,13 @@ class Study {
       run_one([&](const RowDone& done) {
         MeshTableOptions large = options;
         if (!options_.size && !options.quick) large.side_px = 1024;  // the paper's, and its double
-        return ronnow_table(visibility_scenes(large.side_px, folder), large, done);
+        // The paper's cloth ball, or where that is not a ball as round.
+        std::vector<TraversalScene> scenes = visibility_scenes(large.side_px, folder);
+        const bool real = scenes.front().title == "Cloth ball";
+        std::erase_if(scenes, [&](const TraversalScene& scene) {
+          return scene.title != (real ? "Cloth ball" : "Rotation");
+        });
+        return ronnow_table(scenes, large, done);
       });
     if (asked(StudyPart::hierarchy))
       run_one([&](const RowDone& done) { return hierarchy_table(options, done); });
