@@ -64,7 +64,10 @@ bool has_triangles(const Scene& scene) {
 
 /// What the sweep cannot do with triangles.
 Status check_meshes(const Scene& scene, const AbufferOptions& options) {
-  if (!has_triangles(scene)) return Done{};
+  if (!has_triangles(scene)) {
+    if (options.place_intervals == 0) return Done{};
+    return Error{"", "place_intervals", "is for triangles, and the scene has none", ErrorKind::unsupported};
+  }
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (!scene.objects[i].triangles.empty() && !scene.objects[i].cloud.looks.empty())
       return Error{
@@ -110,8 +113,7 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
                 .stop = control.stop};
   std::optional<MeshFilm> meshes;
   if (has_triangles(scene)) {
-    Result<MeshFilm> film =
-        MeshFilm::follow(scene, window, options.tile_px, options.tile_fragments, control.stop);
+    Result<MeshFilm> film = MeshFilm::follow(scene, window, options, control.stop);
     if (!film) return film.error();
     work.meshes = &meshes.emplace(*std::move(film));
     out.statistics.time("paths", watch.lap());
@@ -192,6 +194,7 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
 Status AbufferOptions::validate() const {
   if (tile_px < 1 || tile_px > 4096) return Error{"", "tile_px", "must be in [1, 4096]"};
   if (tile_fragments == 0) return Error{"", "tile_fragments", "must be at least 1"};
+  if (place_intervals > 65536) return Error{"", "place_intervals", "must be in [0, 65536]"};
   if (deep && normalisation != Normalisation::interval)
     return Error{"", "deep", "goes with Normalisation::interval alone"};
   return Done{};

@@ -12,13 +12,21 @@
 
 namespace SWEPT_API swept {
 
-/// None of these changes a bit of the image but `normalisation`.
+/// None of these changes a bit of the image but `normalisation` and `place_intervals`, and `tile_tests` last
+/// digits where several meshes share a pixel.
 struct AbufferOptions {
   int tile_px = 32;  ///< side of a tile; [1, 4096]
   std::size_t tile_fragments =
       1u << 20;      ///< fragments one thread may hold; a fuller tile is done in parts. > 0
   bool simd = true;  ///< false: the plain loops that define what vectors compute
-  Normalisation normalisation = Normalisation::interval;  ///< the one option that changes the image
+  Normalisation normalisation = Normalisation::interval;  ///< changes the image
+  /// Intervals of time that are kept of triangles at each of a pixel's 16 places, [1, 65536]: more are merged
+  /// by least error (Gribel et al. 2010), in an order that depends on that of the meshes. 0: all. With
+  /// meshes.
+  std::size_t place_intervals = 0;
+  /// With meshes: leave out pixels, tiles and depths that triangles are known not to be seen in, before their
+  /// intervals are solved. false: not, to measure what it gains.
+  bool tile_tests = true;
   bool deep = false;  ///< fill Rendered::deep, too; with Normalisation::interval alone
 
   [[nodiscard]] Status validate() const;

@@ -48,6 +48,7 @@ void describe(const DiscFilm* discs, const MeshFilm* meshes, const SweepCounts& 
   s.count("fragments_in_fullest_pixel", static_cast<double>(c.most_fragments));
   if (discs != nullptr) s.count("pixels_still", static_cast<double>(c.still_pixels));
   s.count("pixels_swept", static_cast<double>(c.swept_pixels));
+  if (meshes != nullptr) s.count("fragments_held", static_cast<double>(c.most_held));
   if (meshes != nullptr) s.count("pixels_of_several_meshes", static_cast<double>(c.pixels_of_several_meshes));
   if (discs != nullptr && meshes != nullptr)
     s.count("pixels_of_discs_and_triangles", static_cast<double>(c.pixels_of_both));

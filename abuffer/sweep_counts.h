@@ -14,6 +14,7 @@ namespace swept {
 struct SweepCounts {
   std::uint64_t fragments = 0, still_pixels = 0, swept_pixels = 0, most_fragments = 0, split_tiles = 0;
   std::uint64_t pixels_of_several_meshes = 0, pixels_of_both = 0;  ///< both: discs and triangles
+  std::uint64_t most_held = 0;                                     ///< intervals of triangles at once
   double seconds_rasterize = 0.0, seconds_resolve = 0.0;
   SweepCounters sweep;
   PlaceCounters places;
@@ -24,6 +25,7 @@ struct SweepCounts {
     swept_pixels += other.swept_pixels;
     most_fragments = std::max(most_fragments, other.most_fragments);
     split_tiles += other.split_tiles;
+    most_held = std::max(most_held, other.most_held);
     pixels_of_several_meshes += other.pixels_of_several_meshes;
     pixels_of_both += other.pixels_of_both;
     places.add(other.places);

@@ -18,6 +18,7 @@ TileRenderer::TileRenderer(const TileWork& work, const FilmSink& film)
 SweepCounts TileRenderer::counts() const {
   SweepCounts all = counters_;
   all.places = pixel_.places();
+  if (meshes_) all.most_held = meshes_->most_held();
   all.pixels_of_several_meshes = pixel_.pixels_of_several_meshes;
   return all;
 }

@@ -28,15 +28,21 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
   const bool per_pixel = arguments.text("--normalisation", "interval") == "pixel";
   options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
   options.deep = arguments.expect_deep;
+  options.place_intervals = static_cast<std::size_t>(arguments.whole("--place-intervals", 0));
   if (options.deep && per_pixel)
     return Error{"", "--deep", "has every interval's own colours: it goes with --normalisation interval"};
+  std::string name = per_pixel ? "abuffer, normalised per pixel" : "abuffer";
+  if (options.place_intervals > 0)
+    name = fmt::format("{}, {} intervals a place", name, options.place_intervals);
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_abuffer(scene, options, within);
                             },
                             control),
-                        {{"threads", control.threads}, {"normalisation_per_pixel", per_pixel ? 1 : 0}},
-                        per_pixel ? "abuffer, normalised per pixel" : "abuffer"};
+                        {{"threads", control.threads},
+                         {"normalisation_per_pixel", per_pixel ? 1 : 0},
+                         {"place_intervals", static_cast<double>(options.place_intervals)}},
+                        name};
 }
 
 /// A PSNR as in 60dB, or a root mean square error below 1, as PSNR.
@@ -216,7 +222,7 @@ const std::vector<RenderMethod>& render_methods() {
        {"--max-error", "--max-cell-error", "--max-seconds", "--samples"},
        true,
        prepare_sampled},
-      {"abuffer", "the exact A-buffer", {"--normalisation"}, true, prepare_abuffer},
+      {"abuffer", "the exact A-buffer", {"--normalisation", "--place-intervals"}, true, prepare_abuffer},
       {"gpu",
        "the six passes on a GPU",
        {"--subframes", "--gpu", "--lookup-tables", "--clamp-motion"},
@@ -255,6 +261,13 @@ const std::vector<MethodOption>& method_options() {
        .help = "What the A-buffer divides weights by: those of every visible interval, or once per pixel, as "
                "Heinzle et al. 2010 do, which is another image [interval]",
        .words = {"interval", "pixel"}},
+      {.name = "--place-intervals",
+       .kind = Kind::whole,
+       .help =
+           "Keep so many intervals of time of triangles at each of a pixel's 16 places, and merge others by "
+           "least error [all]",
+       .low = 1,
+       .high = 65536},
       {.name = "--samples",
        .kind = Kind::whole,
        .help =

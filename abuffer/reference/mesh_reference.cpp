@@ -4,21 +4,15 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "abuffer/reference/posed_scene.h"
+#include "abuffer/reference/ray_triangle.h"
 #include "splat/interval/pixel_places.h"
 #include "splat/motion/instant.h"
 
 namespace swept::reference {
 namespace {
-
-struct Hit {
-  double depth = 0.0;
-  Eigen::Vector3d share;  ///< of the corners
-  Eigen::Vector4d color;
-};
 
 /// The mean of the four texels about (u, v), by how near their middles are.
 Eigen::Vector4d texture_at(const Texture& texture, const Eigen::Vector2d& uv) {
@@ -35,23 +29,6 @@ Eigen::Vector4d texture_at(const Texture& texture, const Eigen::Vector2d& uv) {
       sum += near_x * near_y * texture.texels[texel].cast<double>();
     }
   return sum;
-}
-
-/// Möller and Trumbore 1997.
-std::optional<Hit> meet_triangle(const Eigen::Vector3d (&p)[3], const Ray& viewing, double near) {
-  const Eigen::Vector3d& ray = viewing.direction;
-  const Eigen::Vector3d e1 = p[1] - p[0], e2 = p[2] - p[0], h = ray.cross(e2);
-  const double a = e1.dot(h);
-  if (a == 0.0) return std::nullopt;
-  const Eigen::Vector3d from = viewing.from - p[0];
-  const double u = from.dot(h) / a;
-  if (!(u >= 0.0 && u <= 1.0)) return std::nullopt;
-  const Eigen::Vector3d q = from.cross(e1);
-  const double v = ray.dot(q) / a;
-  if (!(v >= 0.0 && u + v <= 1.0)) return std::nullopt;
-  const double depth = e2.dot(q) / a;
-  if (!(depth >= near)) return std::nullopt;
-  return Hit{depth, {1.0 - u - v, u, v}, {}};
 }
 
 }  // namespace
@@ -107,6 +84,10 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
 }
 
 void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
+  struct Hit {
+    double depth;
+    Eigen::Vector4d color;
+  };
   std::vector<Hit> hits[pixel_places];
   std::size_t most = 0;
   for (int k = 0; k < pixel_places; ++k) {
@@ -119,14 +100,15 @@ void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
     for (const std::uint32_t t : of_row_[static_cast<std::size_t>(y - first_row_)]) {
       const Corners& corners = triangles_[t];
       if (x < corners.box.x_begin || x >= corners.box.x_end) continue;
-      auto hit = meet_triangle(corners.at, ray, near_);
+      const std::optional<RayHit> hit = meet_triangle(corners.at, ray, near_);
       if (!hit) continue;
       const Eigen::Vector3d& share = hit->share;
-      hit->color = share[0] * corners.color[0] + share[1] * corners.color[1] + share[2] * corners.color[2];
+      Eigen::Vector4d color =
+          share[0] * corners.color[0] + share[1] * corners.color[1] + share[2] * corners.color[2];
       if (texture_)
-        hit->color = hit->color.cwiseProduct(texture_at(
+        color = color.cwiseProduct(texture_at(
             *texture_, share[0] * corners.uv[0] + share[1] * corners.uv[1] + share[2] * corners.uv[2]));
-      hits[k].push_back(*hit);
+      hits[k].push_back({hit->depth, color});
     }
     std::stable_sort(hits[k].begin(), hits[k].end(),
                      [](const Hit& a, const Hit& b) { return a.depth < b.depth; });

@@ -110,6 +110,9 @@ void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<Tria
   next_time_ = 0;
   plain_ = true;
   discs_ = {};
+  std::stable_sort(intervals.begin(), intervals.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
+    return std::tie(a.place, a.source) < std::tie(b.place, b.source);
+  });
   nearest_ = std::numeric_limits<float>::infinity();
   for (const PlaceInterval& i : intervals) nearest_ = std::min(nearest_, i.nearest);
   for (std::size_t first = 0; first < intervals.size();) {

@@ -19,8 +19,8 @@ using PlaceRays = std::array<Eigen::Vector3d, pixel_places>;
 /// A thread's.
 class MeshPixel {
  public:
-  /// Of a pixel: `intervals` of all places and meshes, by place and within it by source. All it is given must
-  /// outlive what is done with the pixel.
+  /// Of a pixel: `intervals` of all places and meshes, which it sorts. All it is given must outlive what is
+  /// done with the pixel.
   void begin(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
              const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep);
   /// Nothing of it is nearer.

@@ -44,18 +44,21 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
   for (std::size_t a = 0; a < near_.size(); ++a)
     for (std::size_t b = a + 1; b < near_.size(); ++b) {
       if (near_[a]->farthest < near_[b]->nearest || near_[b]->farthest < near_[a]->nearest) continue;
+      // Over all the time that both are there, so that what begins or ends behind them changes no bit.
+      const double both_from = std::max(near_[a]->begin, near_[b]->begin),
+                   both_to = std::min(near_[a]->end, near_[b]->end);
       const auto depth = [&](std::size_t i) {
         const TriangleStretch& t = triangles[near_[i]->source];
-        const double low = std::clamp(t.local(begin), 0.0, 1.0), high = std::clamp(t.local(end), low, 1.0);
-        const DepthOverTime whole = t.depth(ray);
-        return DepthOverTime{whole.above.part(low, high), whole.below.part(low, high)};
+        const double low = std::clamp(t.local(both_from), 0.0, 1.0),
+                     high = std::clamp(t.local(both_to), low, 1.0);
+        return t.depth(ray, low, high);
       };
       const DepthOverTime of_a = depth(a), of_b = depth(b);
       const Bernstein one = product(of_a.above, of_b.below), other = product(of_b.above, of_a.below);
       const int degree = std::max(one.degree, other.degree);
       const SignChanges changes = sign_changes(difference(one.raised(degree), other.raised(degree)));
       for (int k = 0; k < changes.count; ++k) {
-        const double t = begin + (end - begin) * changes.at[static_cast<std::size_t>(k)];
+        const double t = both_from + (both_to - both_from) * changes.at[static_cast<std::size_t>(k)];
         if (t > begin && t < end) crossings_.push_back(t);
       }
     }
@@ -72,7 +75,6 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
 
 void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStretch>& triangles,
                          const Eigen::Vector3d& ray) {
-  ++counters.pieces;
   PlacePiece piece{begin, end, static_cast<std::uint32_t>(seen_.size()), 0};
   if (near_.size() == 1) {
     seen_.push_back(near_.front()->source);
@@ -90,6 +92,14 @@ void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStr
     }
   }
   piece.count = static_cast<std::uint32_t>(seen_.size()) - piece.first;
+  // What begins or ends behind is no event.
+  if (!pieces_.empty() && pieces_.back().end == begin && pieces_.back().count == piece.count &&
+      std::equal(seen_.begin() + piece.first, seen_.end(), seen_.begin() + pieces_.back().first)) {
+    pieces_.back().end = end;
+    seen_.resize(piece.first);
+    return;
+  }
+  ++counters.pieces;
   pieces_.push_back(piece);
 }
 

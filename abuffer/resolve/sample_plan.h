@@ -41,7 +41,7 @@ class ErrorEstimate {
   struct LeastFall {
     int few;            ///< fewer instants than this
     double of_few, of;  ///< fall by so much, others by that
-    double most;             ///< and at most by this
+    double most;        ///< and at most by this
   };
   static constexpr LeastFall of_edges = {12, 0.25, 0.15, 1.0};
   /// Passing splats are bells, and fall faster and faster; those that change their order jump.

@@ -3,26 +3,83 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/interval/fixed_bernstein.h"
+
 namespace swept {
 namespace {
 
-Bernstein sum(const Bernstein& a, const Bernstein& b, const Bernstein& c) {
-  Bernstein s = a;
-  for (std::size_t k = 0; k <= static_cast<std::size_t>(a.degree); ++k) s.c[k] += b.c[k] + c.c[k];
-  return s;
+template <int n>
+FixedBernstein<2 * n> edge_at(const EdgeFunction& edge, const Eigen::Vector3d& ray) {
+  FixedBernstein<2 * n> e;
+  for (int k = 0; k <= 2 * n; ++k) {
+    const Eigen::Vector3d& normal = edge.normal(static_cast<std::size_t>(k));
+    e.c[k] = normal.x() * ray.x() + (normal.y() * ray.y() + normal.z());
+  }
+  return e;
 }
 
-/// 1 or −1 where all coefficients are on that side of 0 by `margin(k)` or more, else 0.
-template <class Margin>
-int one_side(const Bernstein& e, const Margin& margin) {
-  bool above = true, below = true;
-  for (std::size_t k = 0; k <= static_cast<std::size_t>(e.degree); ++k) {
-    const double m = margin(k);
-    above = above && e.c[k] > m;
-    below = below && e.c[k] < -m;
-  }
-  return above ? 1 : below ? -1 : 0;
+template <int degree>
+FixedBernstein<degree> fixed(const Bernstein& p) {
+  FixedBernstein<degree> f;
+  std::copy_n(p.c.begin(), degree + 1, f.c);
+  return f;
 }
+
+template <int degree>
+Bernstein general(const FixedBernstein<degree>& p) {
+  Bernstein b;
+  b.degree = degree;
+  std::copy_n(p.c, degree + 1, b.c.begin());
+  return b;
+}
+
+/// The depth of a triangle at a ray, Σe·z / Σe.
+template <int n>
+struct DepthOf {
+  FixedBernstein<3 * n> above;
+  FixedBernstein<2 * n> below;
+
+  DepthOf(const FixedBernstein<2 * n> (&e)[3], const Bernstein (&z)[3]) : above{}, below{} {
+    for (int k = 0; k <= 2 * n; ++k) below.c[k] = e[0].c[k] + (e[1].c[k] + e[2].c[k]);
+    for (int i = 0; i < 3; ++i) add_product(e[i], fixed<n>(z[i]), above);
+  }
+};
+
+/// Where an edge's sign changes, and the sign before that.
+struct Sides {
+  int first = 0, count = 0;
+  double at[2 * most_path_degree];
+
+  [[nodiscard]] int sign(int k) const { return k % 2 == 0 ? first : -first; }
+};
+
+template <int n>
+Sides sides_of(const FixedBernstein<2 * n>& e, const EdgeFunction& edge, const Eigen::Vector3d& ray) {
+  Sides sides;
+  double most = 0.0;
+  for (const double v : e.c) most = std::max(most, std::abs(v));
+  if (most > 1e-100 && most < 1e100) {
+    sides.first = e.side();
+    if (sides.first != 0) return sides;
+    if constexpr (n == 1) {
+      const double sign = e.c[0] != 0.0 ? e.c[0] : e.c[1] != 0.0 ? e.c[1] : e.c[2];
+      sides.first = sign > 0.0 ? 1 : -1;
+      // 0 at an end alone does not count as a sign, and three of one sign have no root.
+      const bool above = e.c[0] >= 0.0 && e.c[1] >= 0.0 && e.c[2] >= 0.0,
+                 below = e.c[0] <= 0.0 && e.c[1] <= 0.0 && e.c[2] <= 0.0;
+      if (!above && !below) sides.count = quadratic_sign_changes(e.c, sides.at);
+      return sides;
+    }
+  }
+  const SignChanges changes = edge.sides(ray);
+  sides.first = changes.first;
+  sides.count = std::min(changes.count, 2 * most_path_degree);
+  std::copy_n(changes.at.begin(), sides.count, sides.at);
+  return sides;
+}
+
+/// Below this share of itself a depth's range over time is taken from that of the corners.
+constexpr double flat_enough = 1e-3;
 
 }  // namespace
 
@@ -68,77 +125,89 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
   shows_below_ = object.two_sided || !of.mirrored(stretch);
 }
 
-bool TriangleStretch::misses(const Eigen::Vector3d& ray, double half_x, double half_y) const {
+template <int n>
+bool TriangleStretch::misses_of(const Eigen::Vector3d& ray, double half_x, double half_y) const {
   bool above = false, below = false;
   for (const EdgeFunction& edge : edge_) {
-    const int side = one_side(edge.at(ray), [&](std::size_t k) { return edge.variation(k, half_x, half_y); });
-    above = above || side > 0;
-    below = below || side < 0;
+    const FixedBernstein<2 * n> e = edge_at<n>(edge, ray);
+    bool all_above = true, all_below = true;
+    for (int k = 0; k <= 2 * n; ++k) {
+      const double margin = edge.variation(static_cast<std::size_t>(k), half_x, half_y);
+      all_above = all_above && e.c[k] > margin;
+      all_below = all_below && e.c[k] < -margin;
+    }
+    above = above || all_above;
+    below = below || all_below;
   }
   return (above || !shows_below_) && (below || !shows_above_);
 }
 
-DepthOverTime TriangleStretch::depth(const Eigen::Vector3d& ray) const {
-  const Bernstein e[3] = {edge_[0].at(ray), edge_[1].at(ray), edge_[2].at(ray)};
-  return {sum(product(e[0], z_[0]), product(e[1], z_[1]), product(e[2], z_[2])), sum(e[0], e[1], e[2])};
-}
-
-void TriangleStretch::add(const DepthOverTime& depth, double from, double to, double first, double last,
-                          std::uint32_t place, std::uint32_t source, std::vector<PlaceInterval>& out) const {
-  double low = nearest_, high = farthest_;
-  // A quotient lies within those of its coefficients where the divisors have one sign.
-  const Bernstein below = depth.below.part(first, last).raised(depth.above.degree),
-                  above = depth.above.part(first, last);
-  if (one_side(below, [](std::size_t) { return 0.0; }) != 0) {
-    double least = INFINITY, most = -INFINITY;
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(above.degree); ++k) {
-      const double z = above.c[k] / below.c[k];
-      least = std::min(least, z);
-      most = std::max(most, z);
-    }
-    // Their rounding, and a float's.
-    const double slack = 1e-6 * std::max(std::abs(least), std::abs(most));
-    low = std::max(low, least - slack);
-    high = std::min(high, most + slack);
-  }
-  out.push_back({place, source, from, to, static_cast<float>(low - 1e-6 * std::abs(low)),
-                 static_cast<float>(high + 1e-6 * std::abs(high))});
-}
-
-void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place,
-                           std::uint32_t source, std::vector<PlaceInterval>& out) const {
+template <int n>
+void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place,
+                              std::uint32_t source, std::vector<PlaceInterval>& out) const {
   from = std::max(from, begin);
   to = std::min(to, end);
-  if (!(from < to) || misses(ray, 0.0, 0.0)) return;
-  const SignChanges sides[3] = {edge_[0].sides(ray), edge_[1].sides(ray), edge_[2].sides(ray)};
-  DepthOverTime depth;
-  bool known = false;
-  int at[3] = {0, 0, 0};
-  double first = 0.0;
+  if (!(from < to)) return;
+  const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
+                                      edge_at<n>(edge_[2], ray)};
+  const int whole[3] = {e[0].side(), e[1].side(), e[2].side()};
+  const bool above = whole[0] > 0 || whole[1] > 0 || whole[2] > 0,
+             below = whole[0] < 0 || whole[1] < 0 || whole[2] < 0;
+  if ((above || !shows_below_) && (below || !shows_above_)) return;
+  const Sides sides[3] = {sides_of<n>(e[0], edge_[0], ray), sides_of<n>(e[1], edge_[1], ray),
+                          sides_of<n>(e[2], edge_[2], ray)};
   const auto time = [&](double t) {
     return t <= 0.0 ? begin : t >= 1.0 ? end : std::clamp(begin + t * (end - begin), begin, end);
   };
+  // Of what is kept: by its corners, who hold it, or by the quotient, which lies within those of its
+  // coefficients where the divisors have one sign.
   const auto keep = [&](double a, double b) {
     const double time_a = std::max(from, time(a)), time_b = std::min(to, time(b));
     if (!(time_a < time_b)) return;
-    const double low = std::clamp(local(time_a), 0.0, 1.0), high = std::clamp(local(time_b), low, 1.0);
-    add(depth, time_a, time_b, low, high, place, source, out);
+    const double first = std::clamp(local(time_a), 0.0, 1.0), last = std::clamp(local(time_b), first, 1.0);
+    double low = INFINITY, high = -INFINITY;
+    for (const Bernstein& corner : z_)
+      for (const double z : fixed<n>(corner).part(first, last).c)
+        low = std::min(low, z), high = std::max(high, z);
+    low = std::max(low - 1e-12 * std::abs(low), nearest_);
+    high = std::min(high + 1e-12 * std::abs(high), farthest_);
+    if (high - low > flat_enough * low) {
+      const DepthOf<n> depth(e, z_);
+      const FixedBernstein<2 * n> divisors = depth.below.part(first, last);
+      if (divisors.side() != 0) {
+        const FixedBernstein<3 *n> over = depth.above.part(first, last), under = raised_to<3 * n>(divisors);
+        double least = INFINITY, most = -INFINITY;
+        for (int k = 0; k <= 3 * n; ++k) {
+          const double z = over.c[k] / under.c[k];
+          least = std::min(least, z);
+          most = std::max(most, z);
+        }
+        // Their rounding, and a float's.
+        const double slack = 1e-6 * std::max(std::abs(least), std::abs(most));
+        low = std::max(low, least - slack);
+        high = std::min(high, most + slack);
+      }
+    }
+    out.push_back({place, source, time_a, time_b, static_cast<float>(low - 1e-6 * std::abs(low)),
+                   static_cast<float>(high + 1e-6 * std::abs(high))});
   };
+  int at[3] = {0, 0, 0};
+  double first = 0.0;
   while (first < 1.0) {
     double last = 1.0;
     for (int i = 0; i < 3; ++i)
-      if (at[i] < sides[i].count) last = std::min(last, sides[i].at[static_cast<std::size_t>(at[i])]);
+      if (at[i] < sides[i].count) last = std::min(last, sides[i].at[at[i]]);
     const int side = sides[0].sign(at[0]);
     if (first < last && side != 0 && side == sides[1].sign(at[1]) && side == sides[2].sign(at[2]) &&
         (side > 0 ? shows_above_ : shows_below_)) {
-      if (!known) depth = this->depth(ray), known = true;
       if (!cut_) {
         keep(first, last);
       } else {
         // In front of the near plane Σe·z − near·Σe has the sign of Σe.
-        Bernstein nearer = depth.below.raised(depth.above.degree);
-        for (std::size_t k = 0; k <= static_cast<std::size_t>(nearer.degree); ++k)
-          nearer.c[k] = side * (depth.above.c[k] - near_ * nearer.c[k]);
+        const DepthOf<n> depth(e, z_);
+        const Bernstein over = general(depth.above);
+        Bernstein nearer = general(depth.below).raised(3 * n);
+        for (std::size_t k = 0; k <= 3 * n; ++k) nearer.c[k] = side * (over.c[k] - near_ * nearer.c[k]);
         const SignChanges in_front = sign_changes(nearer.part(first, last));
         double begins = first;
         for (int k = 0; k <= in_front.count; ++k) {
@@ -150,16 +219,17 @@ void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, s
       }
     }
     for (int i = 0; i < 3; ++i)
-      while (at[i] < sides[i].count && sides[i].at[static_cast<std::size_t>(at[i])] <= last) ++at[i];
+      while (at[i] < sides[i].count && sides[i].at[at[i]] <= last) ++at[i];
     if (last >= 1.0) break;
     first = last;
   }
 }
 
-TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double time) const {
+template <int n>
+TriangleStretch::Look TriangleStretch::look_of(const Eigen::Vector3d& ray, double time) const {
   const double t = std::clamp(local(time), 0.0, 1.0);
   double e[3], all = 0.0;
-  for (int i = 0; i < 3; ++i) all += e[i] = edge_[i].at(ray).at(t);
+  for (int i = 0; i < 3; ++i) all += e[i] = edge_at<n>(edge_[i], ray).at(t);
   // What rounding puts outside lies on the edge.
   const double side = all < 0.0 ? -1.0 : 1.0;
   double weight = 0.0;
@@ -167,7 +237,7 @@ TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double t
   Look seen{nearest_, {rgba[0][0], rgba[0][1], rgba[0][2], rgba[0][3]}};
   if (!(weight > 0.0)) return seen;
   double z = 0.0;
-  for (int i = 0; i < 3; ++i) z += e[i] * z_[i].at(t);
+  for (int i = 0; i < 3; ++i) z += e[i] * fixed<n>(z_[i]).at(t);
   seen.depth = z / weight;
   if (plain) return seen;
   for (int c = 0; c < 4; ++c) {
@@ -175,6 +245,37 @@ TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double t
     for (int i = 0; i < 3; ++i) seen.rgba[c] += e[i] / weight * double{rgba[i][c]};
   }
   return seen;
+}
+
+// What follows chooses by the degree of the paths.
+
+bool TriangleStretch::misses(const Eigen::Vector3d& ray, double half_x, double half_y) const {
+  return degree_ == 1   ? misses_of<1>(ray, half_x, half_y)
+         : degree_ == 2 ? misses_of<2>(ray, half_x, half_y)
+                        : misses_of<3>(ray, half_x, half_y);
+}
+
+void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place,
+                           std::uint32_t source, std::vector<PlaceInterval>& out) const {
+  if (degree_ == 1) return meet_of<1>(ray, from, to, place, source, out);
+  if (degree_ == 2) return meet_of<2>(ray, from, to, place, source, out);
+  meet_of<3>(ray, from, to, place, source, out);
+}
+
+TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double time) const {
+  return degree_ == 1 ? look_of<1>(ray, time) : degree_ == 2 ? look_of<2>(ray, time) : look_of<3>(ray, time);
+}
+
+DepthOverTime TriangleStretch::depth(const Eigen::Vector3d& ray, double from, double to) const {
+  const auto of = [&]<int n>() -> DepthOverTime {
+    const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
+                                        edge_at<n>(edge_[2], ray)};
+    const DepthOf<n> whole(e, z_);
+    return {general(whole.above.part(from, to)), general(whole.below.part(from, to))};
+  };
+  return degree_ == 1   ? of.template operator()<1>()
+         : degree_ == 2 ? of.template operator()<2>()
+                        : of.template operator()<3>();
 }
 
 }  // namespace swept

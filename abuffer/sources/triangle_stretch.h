@@ -44,7 +44,8 @@ class TriangleStretch {
   void meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
             std::vector<PlaceInterval>& out) const;
 
-  [[nodiscard]] DepthOverTime depth(const Eigen::Vector3d& ray) const;
+  /// From local time `from` to `to`.
+  [[nodiscard]] DepthOverTime depth(const Eigen::Vector3d& ray, double from, double to) const;
   [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
 
   struct Look {
@@ -55,8 +56,13 @@ class TriangleStretch {
   [[nodiscard]] Look look(const Eigen::Vector3d& ray, double time) const;
 
  private:
-  void add(const DepthOverTime& depth, double from, double to, double first, double last, std::uint32_t place,
-           std::uint32_t source, std::vector<PlaceInterval>& out) const;
+  template <int n>
+  [[nodiscard]] bool misses_of(const Eigen::Vector3d& ray, double half_x, double half_y) const;
+  template <int n>
+  void meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
+               std::vector<PlaceInterval>& out) const;
+  template <int n>
+  [[nodiscard]] Look look_of(const Eigen::Vector3d& ray, double time) const;
 
   int degree_;
   double near_;

@@ -55,6 +55,14 @@ FilmHull hull_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triang
   return hull;
 }
 
+float nearest_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triangle, double near) {
+  double z = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t corner : mesh.object().triangles[triangle])
+    for (int k = 0; k <= mesh.degree(); ++k) z = std::min(z, mesh.path(stretch, corner)[k].z());
+  // Below what rounding to a float, or any of its depths, may be.
+  return static_cast<float>(std::max(z, near) * (1.0 - 1e-6));
+}
+
 MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
                    const Window& film, int tile_px, const std::stop_token& stop)
     : tiles_(film, tile_px) {

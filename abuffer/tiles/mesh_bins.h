@@ -26,6 +26,10 @@ struct FilmHull {
 [[nodiscard]] FilmHull hull_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triangle,
                                const Projection& projection, double near);
 
+/// What no point of the triangle is nearer than over the stretch, where it is in front of the near plane.
+[[nodiscard]] float nearest_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triangle,
+                               double near);
+
 class MeshBins {
  public:
   struct Entry {

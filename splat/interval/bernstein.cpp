@@ -61,28 +61,40 @@ Bernstein halve(Bernstein& p) {
   return left;
 }
 
-/// Where a polynomial of one change of sign has its root: Newton's steps, halves where they leave the
-/// bracket.
+/// Where a polynomial of one change of sign has its root: Newton's steps, halves of the bracket where they
+/// leave it or are not at least twice as short as the one before the last.
 double only_root(const Bernstein& p, int first) {
+  const std::size_t n = size_of(p);
+  const auto& binomial = binomials[n - 1];
+  const auto& of_slope = binomials[n - 2];
+  double weighted[most_bernstein_degree + 1], slope[most_bernstein_degree + 1];
+  for (std::size_t k = 0; k < n; ++k) weighted[k] = binomial[k] * p.c[k];
+  for (std::size_t k = 0; k + 1 < n; ++k) slope[k] = of_slope[k] * (p.degree * (p.c[k + 1] - p.c[k]));
+  const auto at = [](const double* c, std::size_t last, double t) {
+    const double u = 1.0 - t;
+    if (last == 0) return c[0];
+    double power = 1.0, sum = c[0] * u;
+    for (std::size_t k = 1; k < last; ++k) {
+      power *= t;
+      sum = (sum + power * c[k]) * u;
+    }
+    return sum + power * t * c[last];
+  };
   double low = 0.0, high = 1.0, t = 0.5;
   // A chord is a better beginning than the middle.
-  const double c0 = p.c[0], cn = p.c[size_of(p) - 1];
+  const double c0 = p.c[0], cn = p.c[n - 1];
   if (sign_of(c0) * sign_of(cn) < 0) t = c0 / (c0 - cn);
-  Bernstein slope;
-  slope.degree = p.degree - 1;
-  for (std::size_t k = 0; k + 1 < size_of(p); ++k) slope.c[k] = p.degree * (p.c[k + 1] - p.c[k]);
-  double before = 2.0, width = 1.0;
-  for (int step = 0; step < 120; ++step) {
-    const double v = p.at(t);
+  double before = 2.0, step = 1.0, step_before = 1.0;
+  for (int steps = 0; steps < 120; ++steps) {
+    const double v = at(weighted, n - 1, t);
     if (v == 0.0) return t;
     (sign_of(v) == first ? low : high) = t;
-    double next = t - v / slope.at(t);
-    // Every third step must at least have halved the bracket.
-    if (step % 3 == 2) {
-      if (high - low > 0.5 * width) next = 0.5 * (low + high);
-      width = high - low;
-    }
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const double by = v / at(slope, n - 2, t);
+    double next = t - by;
+    if (!(next >= low && next <= high) || !(std::abs(by) <= 0.5 * std::abs(step_before)))
+      next = 0.5 * (low + high);
+    step_before = step;
+    step = next - t;
     if (next == t || next == before || high - low <= 0x1p-53 * high) return next;
     before = t;
     t = next;
@@ -134,26 +146,6 @@ class Cutter {
 double difference_of_products(double a, double b, double c, double d) {
   const double cd = c * d, error = std::fma(-c, d, cd);
   return std::fma(a, b, -cd) + error;
-}
-
-SignChanges two_roots(const Bernstein& p, const Signs& s) {
-  SignChanges changes;
-  changes.first = s.first;
-  // With r = t/(1 − t) it is c₀ + 2c₁r + c₂r²: roots above 0 are those sought.
-  const double c0 = p.c[0], c1 = p.c[1], c2 = p.c[2];
-  const double discriminant = difference_of_products(c1, c1, c0, c2);
-  if (!(discriminant > 0.0)) return changes;
-  const double root = std::sqrt(discriminant);
-  const double q = c1 > 0.0 ? -(c1 + root) : root - c1;
-  double r[2] = {q / c2, c0 / q};
-  if (!(r[0] < r[1])) std::swap(r[0], r[1]);
-  for (const double x : r) {
-    // t = r/(1 + r): beyond 1 it is more exact by the inverse.
-    if (!(x > 0.0) || !std::isfinite(x)) continue;
-    const double t = x <= 1.0 ? x / (1.0 + x) : 1.0 / (1.0 + 1.0 / x);
-    changes.at[static_cast<std::size_t>(changes.count++)] = t;
-  }
-  return changes;
 }
 
 /// All real roots of x³ + ax² + bx + c: the largest.
@@ -363,6 +355,24 @@ SignChanges sign_changes_by_cutting(const Bernstein& polynomial) {
   return cutter.changes;
 }
 
+int quadratic_sign_changes(const double* c, double* at) {
+  // With r = t/(1 − t) it is c₀ + 2c₁r + c₂r²: roots above 0 are those sought.
+  const double c0 = c[0], c1 = c[1], c2 = c[2];
+  const double discriminant = difference_of_products(c1, c1, c0, c2);
+  if (!(discriminant > 0.0)) return 0;
+  const double root = std::sqrt(discriminant);
+  const double q = c1 > 0.0 ? -(c1 + root) : root - c1;
+  double r[2] = {q / c2, c0 / q};
+  if (!(r[0] < r[1])) std::swap(r[0], r[1]);
+  int count = 0;
+  for (const double x : r) {
+    // t = r/(1 + r): beyond 1 it is more exact by the inverse.
+    if (!(x > 0.0) || !std::isfinite(x)) continue;
+    at[count++] = x <= 1.0 ? x / (1.0 + x) : 1.0 / (1.0 + 1.0 / x);
+  }
+  return count;
+}
+
 SignChanges sign_changes_closed(const Bernstein& polynomial) {
   Bernstein p = polynomial;
   if (!in_range(p)) return {};
@@ -376,7 +386,8 @@ SignChanges sign_changes_closed(const Bernstein& polynomial) {
       changes.at[0] = p.c[0] / (p.c[0] - p.c[1]);
       return changes;
     case 2:
-      return two_roots(p, s);
+      changes.count = quadratic_sign_changes(p.c.data(), changes.at.data());
+      return changes;
     case 4:
       return four_roots(p, s);
     default:

@@ -57,6 +57,11 @@ struct SignChanges {
 /// roots or four are nearly one below 2⁻⁴² of the largest coefficient. Other degrees are cut.
 [[nodiscard]] SignChanges sign_changes_closed(const Bernstein& polynomial);
 
+/// What sign_changes_closed() finds for degree 2, of finite coefficients c[0..2] that have not all one sign,
+/// are not all 0 and whose squares are in range: how many times `at` there are. The first sign is that of the
+/// first coefficient that is not 0.
+[[nodiscard]] int quadratic_sign_changes(const double* c, double* at);
+
 /// Whichever is better for the degree.
 [[nodiscard]] inline SignChanges sign_changes(const Bernstein& polynomial) {
   return polynomial.degree <= 2 ? sign_changes_closed(polynomial) : sign_changes_by_cutting(polynomial);

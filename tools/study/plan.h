@@ -14,11 +14,14 @@
 namespace swept {
 
 enum class StudyPart {
-  scenes,     ///< accuracy against time, with pictures
-  motion,     ///< error and cost against the length of the motion
-  points,     ///< cost against the number of points
-  table1,     ///< Heinzle et al. 2010, Table 1
-  traversal,  ///< Gribel et al. 2013, Tables 1 and 2; only where it is asked for
+  scenes,      ///< accuracy against time, with pictures
+  motion,      ///< error and cost against the length of the motion
+  points,      ///< cost against the number of points
+  table1,      ///< Heinzle et al. 2010, Table 1
+  traversal,   ///< Gribel et al. 2013, Tables 1 and 2; only where it is asked for
+  visibility,  ///< visibility accuracy of meshes, and intervals that are merged; so are these
+  ronnow,      ///< Rönnow et al. 2021, Table 1
+  hierarchy,   ///< moving boxes beside bins
 };
 
 struct StudyOptions {

@@ -19,9 +19,9 @@ namespace {
 using nlohmann::ordered_json;
 
 // In the order in which they need each other.
-constexpr std::array scripts{"format.js",     "axes.js",      "labels.js",  "plot.js",
-                             "scene_plot.js", "tables.js",    "verdict.js", "series.js",
-                             "pictures.js",   "traversal.js", "report.js"};
+constexpr std::array scripts{"format.js",     "axes.js",      "labels.js",       "plot.js",
+                             "scene_plot.js", "tables.js",    "verdict.js",      "series.js",
+                             "pictures.js",   "traversal.js", "study_tables.js", "report.js"};
 
 // Disk full and the like show in AtomicFile::commit(), which looks at the stream's error state.
 void write(const AtomicFile& file, std::string_view text) {

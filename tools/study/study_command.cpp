@@ -22,6 +22,7 @@
 #include "tools/progress.h"
 #include "tools/study/added_images.h"
 #include "tools/study/document.h"
+#include "tools/study/mesh_tables.h"
 #include "tools/study/plan.h"
 #include "tools/study/report.h"
 #include "tools/study/traversal.h"
@@ -38,11 +39,10 @@ struct StudyArguments {
   bool fresh = false, repeats_given = false, samples_given = false;
 };
 
-const std::map<std::string, StudyPart> part_names = {{"scenes", StudyPart::scenes},
-                                                     {"motion", StudyPart::motion},
-                                                     {"points", StudyPart::points},
-                                                     {"table1", StudyPart::table1},
-                                                     {"traversal", StudyPart::traversal}};
+const std::map<std::string, StudyPart> part_names = {
+    {"scenes", StudyPart::scenes}, {"motion", StudyPart::motion},       {"points", StudyPart::points},
+    {"table1", StudyPart::table1}, {"traversal", StudyPart::traversal}, {"visibility", StudyPart::visibility},
+    {"ronnow", StudyPart::ronnow}, {"hierarchy", StudyPart::hierarchy}};
 
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
@@ -90,6 +90,7 @@ class Study {
     }
     if (options_.parts.count(StudyPart::traversal) > 0)
       if (const Status ran = run_traversals(); !ran) return ran;
+    if (const Status ran = run_mesh_tables(); !ran) return ran;
     return write();
   }
 
@@ -108,6 +109,55 @@ class Study {
       if (const Status written = write(); !written) return written;
     }
     return Done{};
+  }
+
+  /// Made-up scenes, and real ones where they are; each time anew.
+  Status run_mesh_tables() {
+    const auto asked = [&](StudyPart part) { return options_.parts.count(part) > 0; };
+    if (!asked(StudyPart::visibility) && !asked(StudyPart::ronnow) && !asked(StudyPart::hierarchy))
+      return Done{};
+    MeshTableOptions options;
+    options.quick = options_.quick;
+    options.stills = header_.reference_samples;
+    options.side_px = options_.size   ? std::max((*options_.size)[0], (*options_.size)[1])
+                      : options.quick ? 96
+                                      : 256;
+    const std::string folder = options_.runner.folder + "/scenes";
+    std::error_code code;
+    std::filesystem::create_directories(folder, code);
+    if (code) return Error{folder, "", code.message()};
+    Status written = Done{};
+    const auto run_one = [&](const auto& make) {
+      mesh_tables_.emplace_back();
+      const auto done = [&](const StudyTable& table) {
+        ++cells_;
+        failed_ += table.failed - mesh_tables_.back().failed;
+        mesh_tables_.back() = table;
+        log("{}: {} rows\n", table.title, table.rows.size());
+        if (written) written = write();
+        if (written) written = write_file(options_.runner.folder + "/" + table.id + ".md", markdown(table));
+      };
+      make(done);
+    };
+    if (asked(StudyPart::visibility))
+      run_one([&](const RowDone& done) {
+        return visibility_table(visibility_scenes(options.side_px, folder), options, done);
+      });
+    if (asked(StudyPart::ronnow))
+      run_one([&](const RowDone& done) {
+        MeshTableOptions large = options;
+        if (!options_.size && !options.quick) large.side_px = 1024;  // the paper's, and its double
+        // The paper's cloth ball, or where that is not a ball as round.
+        std::vector<TraversalScene> scenes = visibility_scenes(large.side_px, folder);
+        const bool real = scenes.front().title == "Cloth ball";
+        std::erase_if(scenes, [&](const TraversalScene& scene) {
+          return scene.title != (real ? "Cloth ball" : "Rotation");
+        });
+        return ronnow_table(scenes, large, done);
+      });
+    if (asked(StudyPart::hierarchy))
+      run_one([&](const RowDone& done) { return hierarchy_table(options, done); });
+    return written;
   }
 
   /// Each time anew: it takes little.
@@ -141,6 +191,7 @@ class Study {
     header_.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     nlohmann::ordered_json document = study_document(header_, runner_, done_, table1_);
     if (!traversals_.empty()) document["traversal"] = to_json(traversals_);
+    for (const StudyTable& table : mesh_tables_) document["mesh_tables"].push_back(to_json(table));
     const std::string& folder = options_.runner.folder;
     if (Status added = add_images(added_, folder, document); !added) return added;
     const auto replace = nlohmann::ordered_json::error_handler_t::replace;
@@ -158,6 +209,7 @@ class Study {
   StudyPlan done_;
   std::vector<Table1Row> table1_;
   std::vector<TraversalRow> traversals_;
+  std::vector<StudyTable> mesh_tables_;
   std::size_t failed_ = 0, cells_ = 0;
   Clock::time_point start_ = Clock::now();
 };
@@ -223,10 +275,13 @@ void add_study_command(CLI::App& app, int& exit_code) {
   command->add_flag("--quick", options.quick,
                     "Some two minutes: small films, a tenth of the points, few settings");
   command
-      ->add_option("--parts", arguments->parts,
-                   "Only these: scenes, motion, points, table1, and traversal, which no study has unasked")
+      ->add_option(
+          "--parts", arguments->parts,
+          "Only these: scenes, motion, points, table1, and what no study has unasked: traversal, and "
+          "visibility, ronnow and hierarchy, of triangles alone")
       ->delimiter(',')
-      ->check(CLI::IsMember({"scenes", "motion", "points", "table1", "traversal"}));
+      ->check(CLI::IsMember(
+          {"scenes", "motion", "points", "table1", "traversal", "visibility", "ronnow", "hierarchy"}));
   command->add_option("--methods", arguments->methods, "Only these")
       ->delimiter(',')
       ->check(CLI::IsMember(method_ids()));

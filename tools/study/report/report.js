@@ -146,6 +146,7 @@ function sections() {
   if (table.length > 0) made.push(['table-1', 'Table 1', tableOneSection(table)]);
   if (listOf(study.traversal?.rows).length > 0)
     made.push(['traversal', 'Traversals', traversalSection(study.traversal)]);
+  for (const table of listOf(study.mesh_tables)) made.push([table.id, table.title, studyTableSection(table)]);
   made.push(['run', 'Machine and command', runSection()]);
   return made;
 }

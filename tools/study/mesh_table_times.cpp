@@ -1,0 +1,173 @@
+// Tables of time: Rönnow's, and the hierarchy beside bins.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include <fmt/core.h>
+
+#include "abuffer/abuffer.h"
+#include "abuffer/stochastic/stochastic.h"
+#include "splat/compare/metrics.h"
+#include "tools/cpu_seconds.h"
+#include "tools/study/mesh_tables.h"
+
+namespace swept {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Timed {
+  Rendered rendered;
+  double seconds = 0.0;
+};
+template <class Render, class Options>
+Result<Timed> timed(const Render& render, const Scene& scene, const Options& options) {
+  RenderControl control;
+  control.threads = 1;
+  const double before = cpu_seconds();
+  Result<Rendered> rendered = render(scene, options, control);
+  if (!rendered) return rendered.error();
+  return Timed{std::move(*rendered), cpu_seconds() - before};
+}
+
+double psnr_db(const Image& image, const Image& truth) {
+  const Result<ImageMetrics> metrics = compare_images(image, truth);
+  return metrics ? metrics->psnr_db : std::nan("");
+}
+
+/// Triangles of some two pixels anywhere before the camera, each moving by that many pixels its own way.
+Scene loose_triangles(int side_px, int count, double motion_px) {
+  Scene scene;
+  scene.film = {side_px, side_px, 0, 0, 0, 0};
+  scene.shutter = {0.0, 1.0};
+  scene.camera.look_ats.emplace_back();
+  const double unit = projection_of(scene.film, scene.camera.at(0.0)).focal_px / 5.0;  // px at the origin
+  Object& object = scene.objects.emplace_back();
+  object.cloud.keys.resize(1);
+  SurfelPose& pose = object.cloud.keys.front().pose;
+  std::mt19937_64 random(11);
+  const auto uniform = [&](double most) {
+    return most * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0);
+  };
+  for (int t = 0; t < count; ++t) {
+    const double x = uniform(1.4), y = uniform(1.4), z = uniform(1.4), turn = uniform(M_PI);
+    const double speed = motion_px / unit;
+    const Eigen::Vector3f color(0.5f + static_cast<float>(uniform(0.5)), 0.5f, 0.5f);
+    for (int i = 0; i < 3; ++i) {
+      const double dx = uniform(1.5 / unit), dy = uniform(1.5 / unit), dz = uniform(1.5 / unit);
+      pose.position.push_back({x + dx, y + dy, z + dz});
+      pose.axis_u.emplace_back(0.01f, 0.0f, 0.0f);
+      pose.axis_v.emplace_back(0.0f, 0.01f, 0.0f);
+      object.cloud.color.push_back(color);
+      object.cloud.velocity.emplace_back(static_cast<float>(speed * std::cos(turn)),
+                                         static_cast<float>(speed * std::sin(turn)), 0.0f);
+    }
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    object.triangles.push_back({first, first + 1, first + 2});
+  }
+  return scene;
+}
+
+}  // namespace
+
+StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTableOptions& options,
+                        const RowDone& done) {
+  StudyTable table{
+      "ronnow",
+      "Table 1 of Rönnow et al. 2021",
+      "CPU seconds of one thread. Intervals are those of 16 places a pixel, memory what they take at "
+      "once. PSNR of the stochastic method is against the exact picture; the last columns are "
+      "the exact method with the fewest intervals a place, of 2 to 32, that are as good.",
+      {"scene", "film, px", "triangles", "exact, s", "intervals, 10⁶", "most in a pixel", "MiB",
+       "stochastic 128, s", "PSNR, dB", "stochastic to exact", "K as good", "its s", "stochastic to it"},
+      {}};
+  for (const TraversalScene& of : scenes)
+    for (const double opacity : {1.0, 0.5})
+      for (const int side : {options.side_px, 2 * options.side_px}) {
+        const std::string title = of.title + (opacity < 1.0 ? ", transparent" : "");
+        const auto failed = [&](const std::string& why) {
+          table.rows.push_back({title, why});
+          table.rows.back().resize(table.columns.size());
+          ++table.failed;
+          done(table);
+        };
+        if (!of.error.empty()) {
+          failed(of.error);
+          continue;
+        }
+        Scene scene = of.scene;
+        scene.film = {side, side, 0, 0, 0, 0};
+        for (Object& object : scene.objects)
+          if (opacity < 1.0)
+            for (std::size_t i = 0; i < object.cloud.size(); ++i)
+              object.cloud.opacity.push_back(static_cast<float>(opacity));
+        const Result<Timed> exact = timed(render_abuffer, scene, AbufferOptions{}),
+                            random = timed(render_stochastic, scene, StochasticOptions{});
+        if (!exact || !random) {
+          failed(!exact ? exact.error().message() : random.error().message());
+          continue;
+        }
+        const Statistics& counts = exact->rendered.statistics;
+        const double db = psnr_db(random->rendered.image, exact->rendered.image);
+        Json most = nullptr, seconds = nullptr, ratio = nullptr;
+        // Of the smaller film alone: it is the same on the larger one, and takes long.
+        for (const std::size_t k : {2, 4, 8, 16, 32}) {
+          if (side != options.side_px) break;
+          AbufferOptions few;
+          few.place_intervals = k;
+          const Result<Timed> lossy = timed(render_abuffer, scene, few);
+          if (!lossy || !(psnr_db(lossy->rendered.image, exact->rendered.image) >= db)) continue;
+          most = k, seconds = lossy->seconds, ratio = random->seconds / lossy->seconds;
+          break;
+        }
+        table.rows.push_back({title, side, counts.counter("triangles").value_or(0.0), exact->seconds,
+                              counts.counter("fragments").value_or(0.0) / 1e6,
+                              counts.counter("fragments_in_fullest_pixel").value_or(0.0),
+                              32.0 * counts.counter("fragments_held").value_or(0.0) / 0x1p20, random->seconds,
+                              db, random->seconds / exact->seconds, most, seconds, ratio});
+        done(table);
+      }
+  return table;
+}
+
+StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done) {
+  constexpr int samples = 16;
+  StudyTable table{
+      "hierarchy",
+      "The hierarchy of moving boxes beside bins",
+      fmt::format("The stochastic method, {} samples a pixel, {} px, CPU seconds of one thread with "
+                  "what building takes; triangles of some two pixels, each going its own way. "
+                  "Left out: more than 10⁷ triangles times px.",
+                  samples, options.side_px),
+      {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "hierarchy, s",
+       "hierarchy to the better one"},
+      {}};
+  for (const int count : {10'000, 100'000, 1'000'000})
+    for (const double px : {0.0, 10.0, 30.0, 100.0, 300.0}) {
+      if (px * count > (options.quick ? 1e5 : 1e7) || (options.quick && count > 10'000)) continue;
+      const Scene scene = loose_triangles(options.side_px, count, px);
+      StochasticOptions tile{.samples = samples}, interval = tile, boxes = tile;
+      interval.traversal = Traversal::interval;
+      boxes.traversal = Traversal::hierarchy;
+      const Result<Timed> by_tile = timed(render_stochastic, scene, tile),
+                          by_interval = timed(render_stochastic, scene, interval),
+                          by_boxes = timed(render_stochastic, scene, boxes);
+      if (!by_tile || !by_interval || !by_boxes) {
+        const Error& error = !by_tile       ? by_tile.error()
+                             : !by_interval ? by_interval.error()
+                                            : by_boxes.error();
+        table.rows.push_back({count, error.message()});
+        table.rows.back().resize(table.columns.size());
+        ++table.failed;
+        done(table);
+        continue;
+      }
+      table.rows.push_back({count, px, by_tile->seconds, by_interval->seconds, by_boxes->seconds,
+                            by_boxes->seconds / std::min(by_tile->seconds, by_interval->seconds)});
+      done(table);
+    }
+  return table;
+}
+
+}  // namespace swept
