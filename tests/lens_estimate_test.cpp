@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "abuffer/abuffer.h"
 #include "abuffer/lens_looks.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
@@ -210,6 +211,10 @@ TEST(LensOfTriangles, IsThatOfTheReference) {
   scene.camera.look_ats[1].frame = 1.0;
   scene.camera.look_ats[1].lens.focus = 4.0;
   EXPECT_GE(test::psnr_db(with_samples(scene, 8 * 128), reference(scene, 128)), 70.0);
+  // Every point exactly.
+  const Result<Rendered> swept = render_abuffer(scene);
+  ASSERT_TRUE(swept.ok()) << swept.error().message();
+  EXPECT_GE(test::psnr_db(swept->image, reference(scene, 128)), 60.0);
   // As many points as the error takes, against random samples of lens and time.
   open_lens(scene, 0.3, 5.0);
   const Rendered image = to_db(scene, 60.0);
