@@ -36,9 +36,8 @@ std::string sides_text(const ObjectPlan& plan) {
 
 std::string lens_text(const ObjectPlan& plan) {
   if (plan.lens_points <= 1) return "no lens";
-  return fmt::format(plan.lens_given
-                         ? "a lens of {} points"
-                         : "a lens of as many points as the error takes, or {} where none is asked for",
+  if (plan.lens_given) return fmt::format("a lens of {} points", plan.lens_points);
+  return fmt::format("a lens of as many points as the error takes, or {} where none is asked for",
                      plan.lens_points);
 }
 

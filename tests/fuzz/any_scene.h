@@ -52,6 +52,7 @@ inline CameraTrack any_camera(Bytes& bytes) {
     key.tan_half_fov_y = std::max(4.0 * bytes.unit(), 0x1p-13);
     camera.look_ats.push_back(key);
   }
+  camera.orthographic = bytes.below(4) == 3;
   return camera;
 }
 
