@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <thread>
 
@@ -140,6 +141,73 @@ TEST(Cancel, ExactRendersOfManyPointsReturnSoon) {
   const Scene discs = large_scene(500000);
   expect_soon("exact, 500,000 points",
               kind_of([&](const RenderControl& control) { return render_abuffer(discs, {}, control); }));
+}
+
+/// A sheet of many triangles that turns, so that its paths take stretches.
+Object turning_sheet(std::uint32_t side) {
+  Object object;
+  SurfelPose& pose = object.cloud.keys.emplace_back().pose;
+  for (std::uint32_t i = 0; i <= side; ++i)
+    for (std::uint32_t j = 0; j <= side; ++j) {
+      const double x = 2.0 * i / side - 1.0, y = 2.0 * j / side - 1.0;
+      pose.position.emplace_back(x, y, 0.1 * std::sin(7.0 * x) * std::cos(5.0 * y));
+      pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
+      pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
+    }
+  object.cloud.color.assign(pose.size(), {0.2f, 0.5f, 0.8f});
+  object.cloud.opacity.assign(pose.size(), 0.5f);
+  for (std::uint32_t i = 0; i < side; ++i)
+    for (std::uint32_t j = 0; j < side; ++j) {
+      const std::uint32_t a = i * (side + 1) + j, b = a + 1, c = a + side + 1, d = c + 1;
+      object.triangles.push_back({a, c, b});
+      object.triangles.push_back({b, c, d});
+    }
+  TransformKey first, last;
+  first.frame = -1.0, last.frame = 1.0;
+  first.rotate_axis = last.rotate_axis = {0.0, 0.0, 1.0};
+  last.rotate_radians = 1.0;
+  object.transform.keys = {first, last};
+  return object;
+}
+
+/// Paths and bins, which take a second; and tiles of many intervals, some of them a pixel's.
+TEST(Cancel, ExactRendersOfMeshesReturnSoon) {
+  Scene sheet = test::stage();
+  sheet.film = {960, 540, 0, 0, 0, 0};
+  sheet.objects = {turning_sheet(400)};
+  expect_soon("exact, 320,000 triangles",
+              kind_of([&](const RenderControl& control) { return render_abuffer(sheet, {}, control); }));
+  // Seen from so far away that it is a few pixels.
+  sheet.objects.back().transform.keys[0].scale = sheet.objects.back().transform.keys[1].scale =
+      Eigen::Vector3d::Constant(0.004);
+  expect_soon("exact, 320,000 triangles in a few pixels",
+              kind_of([&](const RenderControl& control) { return render_abuffer(sheet, {}, control); }));
+  // Sheets of which any two change places.
+  sheet.film = {4, 4, 0, 0, 0, 0};
+  sheet.objects = {Object()};
+  Object& layers = sheet.objects.back();
+  SurfelPose& pose = layers.cloud.keys.emplace_back().pose;
+  for (std::uint32_t i = 0; i < 800; ++i) {
+    for (const auto& [x, y] : {std::pair{-9.0, -9.0}, {9.0, -9.0}, {0.0, 9.0}}) {
+      pose.position.emplace_back(x, y, 0.001 * i);
+      pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
+      pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
+      layers.cloud.velocity.emplace_back(0.0f, 0.0f, -0.002f * static_cast<float>(i * 7919 % 800));
+    }
+    layers.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  layers.cloud.color.assign(pose.size(), {0.2f, 0.5f, 0.8f});
+  layers.cloud.opacity.assign(pose.size(), 0.001f);
+  expect_soon("exact, 800 sheets over each other",
+              kind_of([&](const RenderControl& control) { return render_abuffer(sheet, {}, control); }));
+  sheet.objects.push_back(large_scene(100).objects[0]);
+  expect_soon("exact, 800 sheets over each other and discs",
+              kind_of([&](const RenderControl& control) { return render_abuffer(sheet, {}, control); }));
+  // And many triangles among many discs.
+  sheet.film = {960, 540, 0, 0, 0, 0};
+  sheet.objects = {turning_sheet(40), large_scene().objects[0]};
+  expect_soon("exact, triangles among discs",
+              kind_of([&](const RenderControl& control) { return render_abuffer(sheet, {}, control); }));
 }
 
 TEST(Cancel, ReferencesReturnSoon) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "splat/without_throwing.h"
+
 namespace swept {
 namespace {
 
@@ -72,6 +74,7 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum) {
       const std::span<const std::uint32_t> seen(places_.seen().data() + piece.first, piece.count);
       const bool even =
           std::all_of(seen.begin(), seen.end(), [&](std::uint32_t t) { return of.triangles[t].plain; });
+      throw_if_stopped(places_.stop);
       add_light(
           of.light.share(piece.begin), of.light.share(piece.end), even, of.light,
           [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place);

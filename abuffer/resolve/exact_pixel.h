@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "abuffer/resolve/mesh_pixel.h"
@@ -31,8 +33,11 @@ struct TrianglesOfPixel {
 /// A thread's.
 class ExactPixel {
  public:
-  ExactPixel(const SurfaceModel& model, const IntervalMath& math)
-      : model_(model), still_(model), sweep_(model, math) {}
+  /// What is found of triangles throws Stopped once `stop` asks for it.
+  ExactPixel(const SurfaceModel& model, const IntervalMath& math, std::stop_token stop)
+      : model_(model), still_(model), sweep_(model, math) {
+    places_.stop = std::move(stop);
+  }
 
   /// Discs of which none moves.
   void add_still(const DiscsOfPixel& discs, PixelSum& pixel) const {

@@ -4,6 +4,8 @@
 #include <limits>
 #include <tuple>
 
+#include "splat/without_throwing.h"
+
 namespace swept {
 
 void MeshPixel::mesh_surfaces(std::size_t first, std::size_t last, double time) {
@@ -40,6 +42,7 @@ void MeshPixel::mesh_surfaces(std::size_t first, std::size_t last, double time) 
 }
 
 void MeshPixel::look(double time) {
+  throw_if_stopped(sweep_->stop);
   surfaces_.clear();
   for (std::size_t first = 0; first < on_.size();) {
     std::size_t last = first + 1;

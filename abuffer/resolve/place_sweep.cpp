@@ -4,6 +4,8 @@
 #include <limits>
 #include <tuple>
 
+#include "splat/without_throwing.h"
+
 namespace swept {
 
 void PlaceSweep::cut(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
@@ -41,7 +43,8 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
     if (i->nearest <= hidden_from) near_.push_back(i);
   // Depths are Na/Da and Nb/Db: they are equal where Na·Db − Nb·Da is 0.
   crossings_.clear();
-  for (std::size_t a = 0; a < near_.size(); ++a)
+  for (std::size_t a = 0; a < near_.size(); ++a) {
+    throw_if_stopped(stop);
     for (std::size_t b = a + 1; b < near_.size(); ++b) {
       if (near_[a]->farthest < near_[b]->nearest || near_[b]->farthest < near_[a]->nearest) continue;
       // Over all the time that both are there, so that what begins or ends behind them changes no bit.
@@ -62,6 +65,7 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
         if (t > begin && t < end) crossings_.push_back(t);
       }
     }
+  }
   if (crossings_.empty()) return ordered(begin, end, triangles, ray);
   counters.crossings += crossings_.size();
   std::sort(crossings_.begin(), crossings_.end());
@@ -75,6 +79,7 @@ void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStret
 
 void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStretch>& triangles,
                          const Eigen::Vector3d& ray) {
+  throw_if_stopped(stop);
   PlacePiece piece{begin, end, static_cast<std::uint32_t>(seen_.size()), 0};
   if (near_.size() == 1) {
     seen_.push_back(near_.front()->source);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "abuffer/sources/triangle_stretch.h"
@@ -64,6 +65,8 @@ class PlaceSweep {
   [[nodiscard]] const std::vector<std::uint32_t>& seen() const { return seen_; }
 
   PlaceCounters counters;
+  /// A pixel may take seconds: what finds surfaces of it throws Stopped once this asks for it.
+  std::stop_token stop;
 
  private:
   struct At {
