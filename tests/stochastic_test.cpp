@@ -2,6 +2,7 @@
 #include "abuffer/stochastic/stochastic.h"
 
 #include <cmath>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -177,6 +178,44 @@ TEST(Stochastic, ConvergesToTheReferenceOfTriangles) {
   expect_converges(warped, 256, 0.003, "soup, Gaussian shutter");
 }
 
+/// Colours and opacities that change while the shutter is open, and a picture, of which parts are clear, on
+/// triangles: as the reference, which has them at every instant.
+TEST(Stochastic, ConvergesToTheReferenceOfTexturesAndChangingLooks) {
+  Scene scene = soup_scene(14, false);
+  Object& object = scene.objects[0];
+  test::Random random(15);
+  const std::size_t points = object.cloud.size();
+  for (const double frame : {0.0, 0.3, 1.0}) {
+    LookKey& look = object.cloud.looks.emplace_back();
+    look.frame = frame;
+    for (std::size_t i = 0; i < points; ++i) {
+      look.color.push_back(random.vector(0.0, 1.0).cast<float>());
+      look.opacity.push_back(static_cast<float>(random(0.0, 1.0)));
+    }
+  }
+  expect_converges(scene, 256, 0.003, "looks that change");
+  object.cloud.looks.clear();
+  for (const bool clear : {false, true}) {
+    auto texture = std::make_shared<Texture>();
+    texture->width = 4, texture->height = 3;
+    for (int i = 0; i < 12; ++i) {
+      const float alpha = clear ? static_cast<float>(random(0.0, 1.0)) : 1.0f;
+      const Eigen::Vector3f color = alpha * random.vector(0.0, 1.0).cast<float>();
+      texture->texels.emplace_back(color.x(), color.y(), color.z(), alpha);
+    }
+    object.texture = texture;
+    object.texture_corners.clear();
+    for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+      TextureCorners corners;
+      for (Eigen::Vector2f& corner : corners)
+        corner = {static_cast<float>(random(-1.0, 2.0)), static_cast<float>(random(-1.0, 2.0))};
+      object.texture_corners.push_back(corners);
+    }
+    expect_converges(scene, 256, 0.003, clear ? "a texture, in part clear" : "a texture");
+    expect_same_images(scene, 16, 0, "a texture");
+  }
+}
+
 TEST(Stochastic, ConvergesToTheReferenceOfDiscs) {
   Scene scene = test::busy_scene();
   expect_converges(scene, 256, 0.001, "discs");
@@ -321,6 +360,12 @@ TEST(Stochastic, RefusesWhatItDoesNotDraw) {
   ASSERT_FALSE(splats.ok());
   EXPECT_EQ(splats.error().kind, ErrorKind::unsupported);
   scene.objects.pop_back();
+  Scene changing = scene;
+  LookKey& look = changing.objects[0].cloud.looks.emplace_back();
+  look.opacity.assign(changing.objects[0].cloud.size(), 0.5f);
+  const auto discs = render_stochastic(changing);
+  ASSERT_FALSE(discs.ok());
+  EXPECT_NE(discs.error().message().find("discs whose colours"), std::string::npos);
   for (const StochasticOptions& wrong :
        {StochasticOptions{.samples = 0}, {.times = -1}, {.tile_px = 3}, {.intervals = 0}})
     EXPECT_FALSE(render_stochastic(scene, wrong).ok());

@@ -26,7 +26,8 @@ using Part =
 constexpr Part parts[] = {
     {"integral", swept::stability::add_integral_jobs}, {"coordinates", swept::stability::add_coordinate_jobs},
     {"tube", swept::stability::add_tube_jobs},         {"fragment", swept::stability::add_fragment_jobs},
-    {"crossing", swept::stability::add_crossing_jobs}, {"filter", swept::stability::add_filter_jobs}};
+    {"crossing", swept::stability::add_crossing_jobs}, {"filter", swept::stability::add_filter_jobs},
+    {"edges", swept::stability::add_edge_jobs}};
 
 /// Their rows in order, made by as many threads as there are cores.
 std::vector<swept::stability::Row> rows_of(const std::vector<swept::stability::Job>& jobs) {
@@ -74,7 +75,7 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   std::string part, json_path;
   app.add_option("--part", part, "only this part of the table")
-      ->check(CLI::IsMember({"integral", "coordinates", "tube", "fragment", "crossing", "filter"}));
+      ->check(CLI::IsMember({"integral", "coordinates", "tube", "fragment", "crossing", "filter", "edges"}));
   app.add_option("--points", points, "points per row")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}))
       ->capture_default_str();

@@ -33,5 +33,7 @@ void add_fragment_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>&
 void add_crossing_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 /// Weight and size of a filtered disc.
 void add_filter_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
+/// When a ray crosses the edges of triangles that move on lines and on parabolas, by both solvers.
+void add_edge_jobs(std::size_t points, std::uint64_t seed, std::vector<Job>& jobs);
 
 }  // namespace swept::stability

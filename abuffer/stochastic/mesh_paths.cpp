@@ -56,7 +56,12 @@ void MeshPaths::cut_at_keys(const Scene& scene, const Exposure& exposure) {
               cuts_.end());
 }
 
-MeshPaths::MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure) : object_(&object) {
+MeshPaths::MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure)
+    : object_(&object), open_(exposure.open), close_(exposure.close) {
+  if (!object.cloud.looks.empty()) opaque_looks_ = !object.cloud.see_through();
+  if (object.texture)
+    for (const Eigen::Vector4f& texel : object.texture->texels)
+      opaque_looks_ = opaque_looks_ && texel.w() >= 1.0f;
   // The shutter's curve says when samples look, and not how things move.
   const Exposure even{exposure.open, exposure.close};
   const Instant middle = instant_at(scene, object, even, 0.5);

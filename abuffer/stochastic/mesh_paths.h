@@ -24,6 +24,10 @@ class MeshPaths {
   MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure);
 
   [[nodiscard]] const Object& object() const { return *object_; }
+  /// The frame at a time in [0, 1].
+  [[nodiscard]] double frame(double time) const { return open_ + time * (close_ - open_); }
+  /// Whether all of its texture, if there is one, and of looks that change lets no light through.
+  [[nodiscard]] bool opaque_looks() const { return opaque_looks_; }
   [[nodiscard]] bool mirrored() const { return mirrored_; }
   /// 1 where every corner moves evenly along a line in every piece, else 2.
   [[nodiscard]] int degree() const { return degree_; }
@@ -57,7 +61,8 @@ class MeshPaths {
   void cut_at_keys(const Scene& scene, const Exposure& exposure);
 
   const Object* object_;
-  bool mirrored_;
+  double open_, close_;
+  bool mirrored_, opaque_looks_ = true;
   int degree_ = 2;
   std::size_t stride_ = 0;  ///< control points for each point: neighbouring pieces share one
   std::vector<double> cuts_;

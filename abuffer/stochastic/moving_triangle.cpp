@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
+
+#include "splat/motion/look.h"
 
 namespace swept::stochastic {
 namespace {
@@ -33,11 +36,13 @@ MovingTriangle::MovingTriangle(const MeshPaths& paths, std::uint32_t triangle, c
       view_(view),
       per_focal_(1.0 / view.projection.focal_px),
       degree_(paths.degree()),
-      opaque_(true) {
+      triangle_(triangle),
+      opaque_(paths.opaque_looks()) {
   const Object& object = paths.object();
   for (std::size_t i = 0; i < 3; ++i) {
     corner_[i] = object.triangles[triangle][i];
-    opaque_ = opaque_ && (object.cloud.opacity.empty() || object.cloud.opacity[corner_[i]] >= 1.0f);
+    opaque_ = opaque_ && (!object.cloud.looks.empty() || object.cloud.opacity.empty() ||
+                          object.cloud.opacity[corner_[i]] >= 1.0f);
   }
 }
 
@@ -211,9 +216,35 @@ Span MovingTriangle::tile(int x, int y) const {
 }
 
 void MovingTriangle::place(float time) {
+  placed_ = time;
   const int p = paths_.piece_of(double{time});
   const MeshPaths::Weights weights = paths_.weights(p, double{time});
   for (std::size_t i = 0; i < 3; ++i) at_[i] = paths_.at(corner_[i], p, weights);
+}
+
+void MovingTriangle::add_light(const Eigen::Vector3d& shares, double (&rgba)[4]) const {
+  const Object& object = paths_.object();
+  const SurfelCloud& cloud = object.cloud;
+  std::optional<LooksAt> looks;
+  if (!cloud.looks.empty()) looks.emplace(cloud, paths_.frame(double{placed_}));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double share = shares[static_cast<Eigen::Index>(i)];
+    if (looks) {
+      const Eigen::Vector4f light = (*looks)[corner_[i]];
+      for (int c = 0; c < 4; ++c) rgba[c] += share * double{light[c]};
+      continue;
+    }
+    const double opacity = cloud.opacity.empty() ? 1.0 : double{cloud.opacity[corner_[i]]};
+    for (int c = 0; c < 3; ++c)
+      rgba[c] += share * opacity * (cloud.color.empty() ? 1.0 : double{cloud.color[corner_[i]][c]});
+    rgba[3] += share * opacity;
+  }
+  if (!object.texture) return;
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    uv += shares[static_cast<Eigen::Index>(i)] * object.texture_corners[triangle_][i].cast<double>();
+  const Eigen::Vector4f texel = object.texture->at(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
+  for (int c = 0; c < 4; ++c) rgba[c] *= double{texel[c]};
 }
 
 bool MovingTriangle::test_placed(const BlockSamples& samples, std::size_t k, int x, int y,
@@ -246,16 +277,9 @@ bool MovingTriangle::test_placed(const BlockSamples& samples, std::size_t k, int
   if (!(z >= view_.near)) return false;
   if (!paths_.object().two_sided && (sum < 0.0) == paths_.mirrored()) return false;
   if (opaque_ && z > hits.nearest(k)) return true;
-  const SurfelCloud& cloud = paths_.object().cloud;
   LayerHit hit{static_cast<std::uint32_t>(k), z, {0.0f, 0.0f, 0.0f, 0.0f}};
   double rgba[4] = {0.0, 0.0, 0.0, 0.0};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double share = value[i] / sum;
-    const double opacity = cloud.opacity.empty() ? 1.0 : double{cloud.opacity[corner_[i]]};
-    for (int c = 0; c < 3; ++c)
-      rgba[c] += share * opacity * (cloud.color.empty() ? 1.0 : double{cloud.color[corner_[i]][c]});
-    rgba[3] += share * opacity;
-  }
+  add_light({value[0] / sum, value[1] / sum, value[2] / sum}, rgba);
   for (int c = 0; c < 4; ++c) hit.rgba[c] = static_cast<float>(rgba[c]);
   hits.add(hit, opaque_);
   return true;

@@ -55,6 +55,8 @@ class MovingTriangle {
   }
 
  private:
+  /// Its light where corners have these shares of it.
+  void add_light(const Eigen::Vector3d& shares, double (&rgba)[4]) const;
   void begin_edges(int piece, int tile_px);
   [[nodiscard]] Span plane(int axis, int side, double tangent) const;
   [[nodiscard]] Span edges(double x, double y) const;
@@ -64,8 +66,10 @@ class MovingTriangle {
   double per_focal_;
   std::uint32_t corner_[3];
   int degree_;
+  std::uint32_t triangle_;
   bool opaque_;
   Eigen::Vector3d at_[3];  ///< where it was placed
+  float placed_ = 0.0f;    ///< and when
 
   // Of begin_tiles().
   CurveBounds bounds_ = CurveBounds::slefes;
