@@ -128,7 +128,7 @@ class SurfaceStack {
  private:
   /// order_[first, last).
   struct Surface {
-    std::size_t first, last;
+    std::size_t first = 0, last = 0;
     SurfaceSum mean, swing;  ///< as in FrontSum
     float variation = 0.0f, peaks = 0.0f, widest = 0.0f;
     bool covers = false;  ///< all along
@@ -137,6 +137,7 @@ class SurfaceStack {
 
   Ticks attempt(Ticks begin, Ticks end);
   bool stand_alone(Ticks begin, Ticks end);
+  Surface& next_surface(std::size_t first, std::size_t last);
   void take_light();
   void rank();
   void weigh(Ticks begin, Ticks end);
