@@ -142,6 +142,7 @@ class SurfaceStack {
   void rank();
   void weigh(Ticks begin, Ticks end);
   void add_up(Surface& surface, Ticks begin, Ticks end) const;
+  void add_both_points(double duration, PixelSum& pixel) const;
   [[nodiscard]] DepthSpan span_of(const Surface& surface) const;
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
   [[nodiscard]] bool both_among(std::size_t first, std::size_t last) const;
