@@ -75,17 +75,16 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
     in_order_ = false;
     weigh(begin, end);
     limit_ = std::max(range.max_begin, range.max_end) + range.max_tolerance;
-    surfaces_.push_back({0, count, {}, {}});
-    const Ticks sooner = measure(surfaces_[0], begin, end);
+    const Ticks sooner = measure(next_surface(0, count), begin, end);
     take_light();
     return sooner;
   }
 
   if (!in_order_) rank();
-  behind_to_[count] = infinity;
+  float nearest_behind = behind_to_[count] = infinity;
   for (std::size_t i = count; i-- > 0;) {
-    to_[i] = z_end_[order_[i]];
-    behind_to_[i] = std::min(behind_to_[i + 1], to_[i]);
+    const float to = to_[i] = z_end_[order_[i]];
+    behind_to_[i] = nearest_behind = std::min(nearest_behind, to);
   }
   weigh(begin, end);
   if (range.max_tolerance == 0.0f && !apart_ && stand_alone(begin, end)) return end;
@@ -93,10 +92,10 @@ Ticks SurfaceStack::attempt(Ticks begin, Ticks end) {
   Ticks until = end;
   for (std::size_t first = 0; first < count && transmittance_ > opaque_transmittance;) {
     const std::size_t last = gather_nearest(first, begin, until);
-    surfaces_.push_back({first, last, {}, {}});
+    Surface& surface = next_surface(first, last);
     // What is behind may change sooner, but this surface's own shortening comes first: where it begins to
     // cover, nothing behind is seen.
-    const Ticks sooner = measure(surfaces_.back(), begin, end);
+    const Ticks sooner = measure(surface, begin, end);
     if (sooner < end) return std::min(sooner, until);
     take_light();
     for (; first < last; ++first) limit_ = std::max({limit_, from_[first], to_[first]});
@@ -144,6 +143,14 @@ bool SurfaceStack::stand_alone(Ticks begin, Ticks end) {
   return light > opaque_transmittance;
 }
 
+/// Its sums are add_up()'s to fill in.
+SurfaceStack::Surface& SurfaceStack::next_surface(std::size_t first, std::size_t last) {
+  Surface& surface = surfaces_.emplace_back();
+  surface.first = first;
+  surface.last = last;
+  return surface;
+}
+
 /// What the last surface leaves of it.
 void SurfaceStack::take_light() {
   const SurfaceSum& sum = surfaces_.back().mean;
@@ -157,14 +164,17 @@ void SurfaceStack::rank() {
   const float* const rates = active_->members.field(member_z_rate);
   const float* const tolerances = active_->members.field(member_tolerance);
   std::size_t kept = 0;
-  for (Ranked& ranked : ranking_) {
-    ranked.slot = slot_of[ranked.place];
-    if (ranked.slot == ActiveSet::no_slot) {
-      ranked_[ranked.place] = 0;
+  // Field by field: a whole that is read back from parts just written has to wait for them.
+  for (std::size_t i = 0; i < ranking_.size(); ++i) {
+    const std::uint32_t place = ranking_[i].place, slot = slot_of[place];
+    if (slot == ActiveSet::no_slot) {
+      ranked_[place] = 0;
       continue;
     }
-    ranked.z = z_begin_[ranked.slot];
-    ranking_[kept++] = ranked;
+    Ranked& ranked = ranking_[kept++];
+    ranked.z = z_begin_[slot];
+    ranked.place = place;
+    ranked.slot = slot;
   }
   ranking_.resize(kept);
   const std::vector<std::uint32_t>& places = active_->place_of_slot;
@@ -223,6 +233,10 @@ std::size_t SurfaceStack::gather_nearest(std::size_t first, Ticks begin, Ticks& 
   while (reached < count &&
          (from_[reached] < limit || (from_[reached] == limit && slope_[reached] <= slope_[first])))
     ++reached;
+  // One by itself, and nothing comes near it.
+  if (reached == first + 1 && (reached == count || (from_[reached] - from_[first] > tolerance_[first] &&
+                                                    behind_to_[reached] - to_[first] > tolerance_[first])))
+    return reached;
   const std::size_t last = active_->shows_both_sides() ? part_sides(first, reached) : reached;
 
   // If no member is out of reach of the lower envelope at either end, none leaves between; and what lies
@@ -357,18 +371,23 @@ void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
   const Members all = active_->members.view();
   const float *peaks = all.field(member_peak), *rates = all.field(member_rate);
   const std::array<float, 4>* const colors = active_->colors.data();
+  // Sums stay in registers and are written once, each as it will be read: a vector that is read back from
+  // floats just written has to wait for them.
   Color color = {}, color_swing = {};
-  float fastest = 0.0f;
-  SurfaceSum mean, swing;
-  for (std::size_t i = surface.first; i < surface.last; ++i) {
-    const std::uint32_t k = order_[i];
+  float weight = 0.0f, weight_swing = 0.0f, depth = 0.0f, depth_swing = 0.0f;
+  float variation = 0.0f, sum_of_peaks = 0.0f, fastest = 0.0f;
+  const std::uint32_t* const order = order_.data();
+  const float *const means = mean_.data(), *const swings = swing_.data();
+  const bool changing = !active_->rates.empty();
+  for (std::size_t i = surface.first, last = surface.last; i < last; ++i) {
+    const std::uint32_t k = order[i];
     Color rgba;
     std::memcpy(&rgba, &colors[k], sizeof rgba);
-    mean.weight += mean_[k];
-    swing.weight += swing_[k];
-    if (active_->rates.empty()) {
-      color += mean_[k] * rgba;
-      color_swing += swing_[k] * rgba;
+    weight += means[k];
+    weight_swing += swings[k];
+    if (!changing) {
+      color += means[k] * rgba;
+      color_swing += swings[k] * rgba;
     } else {
       // The mean of ρ times what is linear is that of both means and of both swings; ρ's own bend is left out
       // of the product's swing.
@@ -376,19 +395,23 @@ void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
       Color of_light, light_swing;
       std::memcpy(&of_light, &light.mean, sizeof of_light);
       std::memcpy(&light_swing, &light.swing, sizeof light_swing);
-      color += mean_[k] * of_light + swing_[k] * light_swing;
-      color_swing += swing_[k] * of_light + mean_[k] * light_swing;
+      color += means[k] * of_light + swings[k] * light_swing;
+      color_swing += swings[k] * of_light + means[k] * light_swing;
     }
-    mean.depth += depth_[k];
-    swing.depth += depth_swing_[k];
-    surface.variation += variation_[k];
-    surface.peaks += peaks[k];
+    depth += depth_[k];
+    depth_swing += depth_swing_[k];
+    variation += variation_[k];
+    sum_of_peaks += peaks[k];
     fastest = std::max(fastest, rates[k]);
   }
-  std::memcpy(mean.rgba, &color, sizeof color);
-  std::memcpy(swing.rgba, &color_swing, sizeof color_swing);
-  surface.mean = mean;
-  surface.swing = swing;
+  surface.mean.weight = weight;
+  std::memcpy(surface.mean.rgba, &color, sizeof color);
+  surface.mean.depth = depth;
+  surface.swing.weight = weight_swing;
+  std::memcpy(surface.swing.rgba, &color_swing, sizeof color_swing);
+  surface.swing.depth = depth_swing;
+  surface.variation = variation;
+  surface.peaks = sum_of_peaks;
   surface.widest = fastest * static_cast<float>(share_of(end - begin));
 }
 
@@ -452,17 +475,52 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
   }
   // Of several surfaces the light that one lets through and what the next one covers change together, and the
   // product of their means is not the mean of their product.
+  if (pixel.by_depth == nullptr && !model_.per_pixel()) return add_both_points(0.5 * duration, pixel);
   for (const float sign : {-1.0f, 1.0f}) {
     float transmittance = 1.0f;
+    PixelSum sum;
+    sum.by_depth = pixel.by_depth;
     for (const Surface& surface : surfaces_) {
       DepthSpan span{};
       if (pixel.by_depth != nullptr) {
         span = span_of(surface);
         (sign < 0.0f ? span.to : span.from) = 0.5 * (span.from + span.to);
       }
-      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, pixel, &span);
+      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, sum, &span);
+    }
+    for (std::size_t c = 0; c < 4; ++c) pixel.rgba[c] += sum.rgba[c];
+    pixel.depth += sum.depth;
+    pixel.opacity += sum.opacity;
+  }
+}
+
+/// What SurfaceModel::add() does for each surface at either of Gauss's points, a share `duration` of the
+/// exposure each: both at once, for neither has to wait for the other.
+void SurfaceStack::add_both_points(double duration, PixelSum& pixel) const {
+  using Doubles = double __attribute__((vector_size(32)));
+  Doubles light[2] = {};
+  double depth[2] = {}, transmittance[2] = {duration, duration};
+  for (const Surface& surface : surfaces_) {
+    Color mean, swing;
+    std::memcpy(&mean, surface.mean.rgba, sizeof mean);
+    std::memcpy(&swing, surface.swing.rgba, sizeof swing);
+    for (int point = 0; point < 2; ++point) {
+      const float sign = point == 0 ? -1.0f : 1.0f;
+      SurfaceSum sum;
+      sum.weight = surface.mean.weight + sign * surface.swing.weight;
+      const float factor = model_.scale(sum);
+      if (factor == 0.0f) continue;
+      const Color rgba = (mean + sign * swing) * factor;
+      const float alpha = rgba[3] < 1.0f ? rgba[3] : 1.0f;
+      const Color seen = {rgba[0], rgba[1], rgba[2], alpha};
+      light[point] += transmittance[point] * __builtin_convertvector(seen, Doubles);
+      const float z = (surface.mean.depth + sign * surface.swing.depth) / sum.weight;
+      depth[point] += transmittance[point] * (double{alpha} * double{z});
+      transmittance[point] *= 1.0 - double{alpha};
     }
   }
+  for (int c = 0; c < 4; ++c) pixel.rgba[c] += light[0][c] + light[1][c];
+  pixel.depth += depth[0] + depth[1];
 }
 
 void SurfaceStack::hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters) {

@@ -131,7 +131,7 @@ class SurfaceStack {
  private:
   /// order_[first, last).
   struct Surface {
-    std::size_t first, last;
+    std::size_t first = 0, last = 0;
     SurfaceSum mean, swing;  ///< as in FrontSum
     float variation = 0.0f, peaks = 0.0f, widest = 0.0f;
     bool covers = false;  ///< all along
@@ -140,10 +140,12 @@ class SurfaceStack {
 
   Ticks attempt(Ticks begin, Ticks end);
   bool stand_alone(Ticks begin, Ticks end);
+  Surface& next_surface(std::size_t first, std::size_t last);
   void take_light();
   void rank();
   void weigh(Ticks begin, Ticks end);
   void add_up(Surface& surface, Ticks begin, Ticks end) const;
+  void add_both_points(double duration, PixelSum& pixel) const;
   [[nodiscard]] DepthSpan span_of(const Surface& surface) const;
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);
   [[nodiscard]] bool both_among(std::size_t first, std::size_t last) const;
