@@ -114,23 +114,35 @@ class Renderer {
  private:
   /// Cells of the window, and how much error each that moves may have.
   void plan() {
-    double moving_px = 0.0;
+    double moving_px = 0.0, shares = 0.0;
     const Image& image = *image_;
+    allowed_squares_.assign(bins_->cell_count(), 0.0);
     for (std::size_t c = 0; c < bins_->cell_count(); ++c) {
       const Cell cell = bins_->cell(c);
-      if (typical_motion(*bins_, bins_->packets(c)) > 0.0f)
-        moving_px += double{1.0} * cell.width * cell.height;
+      const double px = double{1.0} * cell.width * cell.height;
+      if (const float motion = typical_motion(*bins_, bins_->packets(c)); motion > 0.0f) {
+        moving_px += px;
+        allowed_squares_[c] =
+            error_share(px, bins_->packets(c).size(), first_instants(motion, options_.max_error_db));
+        shares += allowed_squares_[c];
+      }
       if (cell.x < image.x + image.width && cell.x + cell.width > image.x &&
           cell.y < image.y + image.height && cell.y + cell.height > image.y)
         window_cells_.push_back(c);
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-    allowed_mean_square_ = slack(moving_px / (cell_px * cell_px)) *
-                           std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
-    if (options_.max_cell_error_db > 0.0)
-      allowed_mean_square_ =
-          std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
+    const double allowed =
+        slack(moving_px / (cell_px * cell_px)) * std::pow(10.0, -0.1 * options_.max_error_db) * 3.0 * film_px;
+    for (std::size_t c = 0; c < allowed_squares_.size(); ++c) {
+      if (allowed_squares_[c] == 0.0) continue;
+      allowed_squares_[c] *= allowed / shares;
+      const Cell cell = bins_->cell(c);
+      if (options_.max_cell_error_db > 0.0)
+        allowed_squares_[c] =
+            std::min(allowed_squares_[c],
+                     std::pow(10.0, -0.1 * options_.max_cell_error_db) * 3.0 * cell.width * cell.height);
+    }
   }
 
   /// body(i) for every cell of the window, until the render is stopped.
@@ -146,9 +158,7 @@ class Renderer {
     begin_cell(i, options_.max_error_db, renderer, table);
     CellProgress& cell = progress_[i];
     if (options_.samples == 0 && cell.estimate) {
-      const Cell area = bins_->cell(window_cells_[i]);
-      const double allowed = allowed_mean_square_ * 3.0 * area.width * area.height;
-      while (cell.squares() > allowed && cell.count < most_chosen_instants)
+      while (cell.squares() > allowed_squares_[window_cells_[i]] && cell.count < most_chosen_instants)
         double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
@@ -179,16 +189,14 @@ class Renderer {
 
   void render_square(const std::vector<std::size_t>& rows, const std::vector<std::size_t>& window_index,
                      SampledCell& renderer, InstantTable& table) {
-    double px = 0.0;
+    double allowed = 0.0;
     int first = 1;
     for (const std::size_t row : rows) {
-      const Cell cell = bins_->cell(row);
-      px += double{1.0} * cell.width * cell.height;
+      allowed += allowed_squares_[row];
       if (!exposure_.instant())
         first = std::max(first,
                          first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
     }
-    const double allowed = allowed_mean_square_ * 3.0 * px;
     for (int count = first;; count *= 2) {
       double squares = 0.0;
       for (const std::size_t row : rows) {
@@ -415,7 +423,7 @@ class Renderer {
   Image* image_ = nullptr;
   std::vector<Eigen::Vector2d> lens_;  ///< the points that it is looked through; empty: there is none
   std::vector<std::size_t> window_cells_;
-  double allowed_mean_square_ = 0.0;
+  std::vector<double> allowed_squares_;  ///< by cell of the film, Σ over pixels and R, G, B; 0: nothing moves
   std::vector<CellProgress> progress_;
   Stopwatch begun_;
 };
