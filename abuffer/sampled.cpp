@@ -110,23 +110,38 @@ class Renderer {
  private:
   /// Cells of the window, and how much error each that moves may have.
   void plan() {
-    double moving_px = 0.0;
+    double moving_px = 0.0, shares = 0.0;
     const Image& image = *image_;
+    allowed_squares_.assign(bins_->cell_count(), 0.0);
     for (std::size_t c = 0; c < bins_->cell_count(); ++c) {
       const Cell cell = bins_->cell(c);
-      if (lens_.any() ? !bins_->packets(c).empty() : typical_motion(*bins_, bins_->packets(c)) > 0.0f)
-        moving_px += double{1.0} * cell.width * cell.height;
+      const std::span<const PacketRef> packets = bins_->packets(c);
+      const double px = double{1.0} * cell.width * cell.height;
+      const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
+      if (lens_.any() ? !packets.empty() : motion > 0.0f) {
+        int looks = first_instants(motion, options_.max_error_db);
+        if (lens_.any() && !lens_.given()) looks = first_looks(blur_px(packets), looks);
+        moving_px += px;
+        allowed_squares_[c] = error_share(px, packets.size(), looks);
+        shares += allowed_squares_[c];
+      }
       if (cell.x < image.x + image.width && cell.x + cell.width > image.x &&
           cell.y < image.y + image.height && cell.y + cell.height > image.y)
         window_cells_.push_back(c);
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-    allowed_mean_square_ = slack(moving_px / (cell_px * cell_px)) *
-                           std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
-    if (options_.max_cell_error_db > 0.0)
-      allowed_mean_square_ =
-          std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
+    const double allowed =
+        slack(moving_px / (cell_px * cell_px)) * std::pow(10.0, -0.1 * options_.max_error_db) * 3.0 * film_px;
+    for (std::size_t c = 0; c < allowed_squares_.size(); ++c) {
+      if (allowed_squares_[c] == 0.0) continue;
+      allowed_squares_[c] *= allowed / shares;
+      const Cell cell = bins_->cell(c);
+      if (options_.max_cell_error_db > 0.0)
+        allowed_squares_[c] =
+            std::min(allowed_squares_[c],
+                     std::pow(10.0, -0.1 * options_.max_cell_error_db) * 3.0 * cell.width * cell.height);
+    }
   }
 
   /// body(i) for every cell of the window, until the render is stopped.
@@ -142,9 +157,7 @@ class Renderer {
     begin_cell(i, options_.max_error_db, renderer, table);
     CellProgress& cell = progress_[i];
     if (options_.samples == 0 && cell.estimate) {
-      const Cell area = bins_->cell(window_cells_[i]);
-      const double allowed = allowed_mean_square_ * 3.0 * area.width * area.height;
-      while (cell.squares() > allowed && cell.count < most_chosen_instants)
+      while (cell.squares() > allowed_squares_[window_cells_[i]] && cell.count < most_chosen_instants)
         double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
@@ -175,16 +188,14 @@ class Renderer {
 
   void render_square(const std::vector<std::size_t>& rows, const std::vector<std::size_t>& window_index,
                      SampledCell& renderer, InstantTable& table) {
-    double px = 0.0;
+    double allowed = 0.0;
     int first = 1;
     for (const std::size_t row : rows) {
-      const Cell cell = bins_->cell(row);
-      px += double{1.0} * cell.width * cell.height;
+      allowed += allowed_squares_[row];
       if (!exposure_.instant())
         first = std::max(first,
                          first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
     }
-    const double allowed = allowed_mean_square_ * 3.0 * px;
     for (int count = first;; count *= 2) {
       double squares = 0.0;
       for (const std::size_t row : rows) {
@@ -462,7 +473,7 @@ class Renderer {
   std::vector<std::vector<float>>
       blur_px_;  ///< circles of confusion, by object and packet; where there is a lens
   std::vector<std::size_t> window_cells_;
-  double allowed_mean_square_ = 0.0;
+  std::vector<double> allowed_squares_;  ///< by cell of the film, Σ over pixels and R, G, B; 0: nothing moves
   std::vector<CellProgress> progress_;
   Stopwatch begun_;
 };

@@ -2,7 +2,7 @@
 // and reaches.
 //
 // Usage: swept_engine_benchmark FOLDER [--threads N] [--reference N] [--scenes NAME,…] [--files SCENE.json,…]
-//                               [--abuffer] [--rays N] [--random N]
+//                               [--abuffer] [--rays N] [--random N] [--first-random K]
 // FOLDER keeps the reference images, and is used again. Times are CPU seconds of the process, all threads
 // together. --random takes so many scenes that nobody chose instead, and counts how often what was asked for
 // is reached.
@@ -179,8 +179,9 @@ int run(int argc, char** argv) {
   app.add_option("--files", files, "Scene files, besides")->delimiter(',');
   Others others;
   app.add_flag("--abuffer", others.abuffer, "The A-buffer too");
-  int random = 0;
+  int random = 0, first_random = 1;
   app.add_option("--random", random, "So many scenes that nobody chose, instead");
+  app.add_option("--first-random", first_random, "Number of the first of them");
   app.add_option("--rays", others.rays, "Embree too, with so many rays a pixel");
   CLI11_PARSE(app, argc, argv);
   std::error_code code;
@@ -195,7 +196,7 @@ int run(int argc, char** argv) {
       columns, (others.abuffer ? std::string("---|") : std::string()) + (others.rays > 0 ? "---|" : ""));
   int failed = 0;
   if (random > 0) names.clear();
-  for (int k = 1; k <= random; ++k) names.push_back(fmt::format("random-{}", k));
+  for (int k = 0; k < random; ++k) names.push_back(fmt::format("random-{}", first_random + k));
   for (const std::string& name : names) {
     if (name == "none") continue;
     const Result<EngineScene> made = make_engine_scene(name);

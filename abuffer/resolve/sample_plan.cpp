@@ -19,6 +19,12 @@ int first_instants(float motion_px, double max_error_db) {
   return count;
 }
 
+double error_share(double px, std::size_t packets, int instants) {
+  // An instant of a cell takes as long as so many packets, before it has any.
+  constexpr double packets_of_a_cell = 20.0;
+  return std::sqrt(px * (packets_of_a_cell + static_cast<double>(packets)) * instants);
+}
+
 float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets) {
   double squares = 0.0, count = 0.0;
   for (const PacketRef packet : packets) {

@@ -4,6 +4,7 @@
 // power until there is about one instant per pixel of motion; from there silhouettes lead, at 1/N.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "abuffer/resolve/sampled_cell.h"
@@ -17,6 +18,13 @@ inline constexpr int most_chosen_instants = 1 << 14;
 
 /// Instants a cell begins with, of a ladder of numbers, for motion across it and the frame's error in dB.
 [[nodiscard]] int first_instants(float motion_px, double max_error_db);
+
+/// How much of the error that a frame may have a cell of `px` pixels may have, relative to others.
+///
+/// What N instants miss falls as a power of N, so that all time together is least where each cell's error
+/// goes with the time that it takes. But that is known badly before, and errors are seen by area: half of
+/// each.
+[[nodiscard]] double error_share(double px, std::size_t packets, int instants);
 
 /// Motion that stands for all of a cell's.
 [[nodiscard]] float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets);
