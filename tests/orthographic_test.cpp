@@ -263,7 +263,8 @@ TEST(Orthographic, RandomSamplesConvergeToTheSame) {
 }
 
 Scene of_splats(bool flat) {
-  Scene scene = test::random_splats(300, 3);
+  Scene scene = test::random_splats(150, 3);
+  scene.film = {75, 50, 0, 0, 0, 0};
   scene.camera.orthographic = true;
   LookAtKey close = scene.camera.look_ats.front();
   close.frame = 1.0;
