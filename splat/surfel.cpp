@@ -134,6 +134,8 @@ SurfelsAt::SurfelsAt(const SurfelCloud& cloud, PathWeights weights)
 }
 
 void SurfelsAt::turn(const Eigen::Vector3f& rate, SurfelInstant& at) const {
+  // Rates that are all zero cost a look.
+  if (rate.isZero(0.0f)) return;
   const Eigen::Vector3d turns = rate.cast<double>() * weights_.elapsed;
   const double angle = turns.stableNorm();
   if (!(angle > 0.0)) return;

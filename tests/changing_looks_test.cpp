@@ -186,6 +186,14 @@ TEST(ChangingLooks, ChangingColorsAreTheReferences) { expect_near_reference(stre
 
 TEST(ChangingLooks, ChangingOpacitiesAreTheReferences) { expect_near_reference(stress_scene(true), 70.0); }
 
+TEST(ChangingLooks, AreTheReferencesAtTheToleranceThatNobodyAskedFor) {
+  for (const bool transparent : {false, true}) {
+    Scene scene = stress_scene(transparent);
+    scene.motion.tolerance_px = 0.0;
+    expect_near_reference(scene, 70.0);
+  }
+}
+
 TEST(ChangingLooks, FrozenColorsWouldBeSeen) {
   Scene scene = stress_scene(false);
   const Image truth = reference_of(scene, 64);

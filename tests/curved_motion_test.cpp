@@ -167,6 +167,10 @@ TEST(CurvedMotion, AccelerationAndSpinAreTheReferences) {
   expect_near_reference(scene, 70.0);
 }
 
+TEST(CurvedMotion, SpinsAreTheReferencesAtTheToleranceThatNobodyAskedFor) {
+  expect_near_reference(ballistic_scene(), 70.0);
+}
+
 TEST(CurvedMotion, OrderOfPointsChangesNoBit) {
   for (Scene scene : {spline_scene(), ballistic_scene()}) {
     SampledOptions options;
@@ -208,14 +212,14 @@ TEST(CurvedMotion, RatesOfZeroAreNone) {
 }
 
 /// Gribel et al. 2013, Fig. 3: the rim of a wheel about the view axis, in small discs.
-Scene wheel(double tolerance_px) {
+Scene wheel(double tolerance_px, double radius = 0.02) {
   Scene scene = test::stage();
   scene.film = {256, 256, 0, 0, 0, 0};
   scene.motion.tolerance_px = tolerance_px;
   Object object;
   for (int i = 0; i < 64; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / 64;
-    test::add_disc(object, {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, Vector3d::UnitZ(), 0.02);
+    test::add_disc(object, {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, Vector3d::UnitZ(), radius);
   }
   object.transform.keys.resize(2);
   object.transform.keys[1].frame = 1.0;
@@ -244,6 +248,14 @@ TEST(Cut, WheelKeepsItsRadiusWithinTheTolerance) {
     EXPECT_LE(farthest, before);
     before = farthest;
   }
+}
+
+TEST(Cut, ADiscThatTurnsWithinItsPlaneTakesNoMoreSegments) {
+  const KernelSet small = build_kernels(wheel(0.1, 0.002)), large = build_kernels(wheel(0.1, 0.5));
+  EXPECT_EQ(small.kernels.size(), large.kernels.size());
+  Scene ellipses = wheel(0.1, 0.5);
+  for (Vector3f& axis : ellipses.objects[0].cloud.keys[0].pose.axis_u) axis *= 0.5f;
+  EXPECT_GT(build_kernels(ellipses).kernels.size(), 2 * large.kernels.size());
 }
 
 TEST(Cut, StraightPointsAreOneSegmentBesideCurvedOnes) {

@@ -69,10 +69,20 @@ void sort_by_content(std::vector<MovingKernel>& kernels) {
   std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
     return a.key != b.key ? a.key < b.key : content_less(kernels[a.index], kernels[b.index]);
   });
-  std::vector<MovingKernel> sorted;
-  sorted.reserve(kernels.size());
-  for (const Entry& entry : order) sorted.push_back(kernels[entry.index]);
-  kernels = std::move(sorted);
+  // Along the cycles of the permutation: kernels are most of the memory, and a second set of them would
+  // double it.
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (order[i].index == i) continue;
+    const MovingKernel first = kernels[i];
+    std::size_t to = i;
+    for (std::size_t from = order[to].index; from != i; from = order[to].index) {
+      kernels[to] = kernels[from];
+      order[to].index = to;
+      to = from;
+    }
+    kernels[to] = first;
+    order[to].index = to;
+  }
 }
 
 /// Whether a path of segments is none.
@@ -121,6 +131,17 @@ class Builder {
     side_ = instant.world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
   }
 
+  /// What some of the points take, times all and a little more: a vector that grows holds everything twice.
+  void reserve_for(PathCutter& cutter, std::size_t points, double tolerance) {
+    const std::size_t stride = std::max<std::size_t>(1, points / 512);
+    std::size_t segments = 0, looked_at = 0;
+    for (std::size_t i = 0; i < points; i += stride, ++looked_at) segments += cutter.cut(i, tolerance).size();
+    const double each =
+        static_cast<double>(segments) / static_cast<double>(std::max<std::size_t>(1, looked_at));
+    out_.kernels.reserve(out_.kernels.size() +
+                         static_cast<std::size_t>(1.1 * each * static_cast<double>(points)));
+  }
+
   void add_by_point(const Object& object, const Exposure& all) {
     take_side(instant_at(scene_, object, all, 0.5));
     PathCutter cutter(scene_, object, all);
@@ -128,7 +149,7 @@ class Builder {
     // Shutter time is that of the first row.
     const double begin = exposure_.curve ? 0.0 : (all.open - exposure_.open) / length();
     const double scale = exposure_.curve ? 1.0 : (all.close - all.open) / length();
-    out_.kernels.reserve(out_.kernels.size() + object.cloud.size());
+    reserve_for(cutter, object.cloud.size(), tolerance);
     for (std::size_t i = 0; i < object.cloud.size(); ++i) {
       if (stopped(i)) return;
       const std::vector<PathSegment>& path = cutter.cut(i, tolerance);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "splat/motion/path.h"
+#include "splat/motion/rims.h"
 
 namespace swept {
 namespace {
@@ -12,7 +13,8 @@ namespace {
 /// Between two times at which a path is looked at nothing may turn farther, radians.
 constexpr double most_turn = 0.5 * std::numbers::pi;
 constexpr double most_spans = 1024.0;
-constexpr double rims_per_path = 2.5;
+/// A chord's error is made good in the mean (build_kernels), that of axes that stand still is not.
+constexpr double rims_per_path = 0.75;
 /// Of a colour, or of 1 if that is more: the chord's light is right in the mean, so that far less is seen.
 constexpr float light_tolerance = 0x1p-9f;
 
@@ -130,8 +132,11 @@ bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& la
 }
 
 bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
-  const double turned = std::max((end.axis_u - middle.axis_u).norm(), (end.axis_v - middle.axis_v).norm());
-  return !(turned * visible_scale(middle.center) > rims_per_path * tolerance_px_);
+  const double scale = visible_scale(middle.center);
+  if (!(scale > 0.0)) return true;
+  const double x = middle.center.x() / middle.center.z(), y = middle.center.y() / middle.center.z();
+  return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, x, y, scale) >
+           rims_per_path * tolerance_px_);
 }
 
 bool PathCutter::is_one_segment(std::size_t i) {

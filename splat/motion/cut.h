@@ -29,10 +29,10 @@ class PathCutter {
   PathCutter(const Scene& scene, const Object& object, const Exposure& exposure);
 
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
-  /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 2.5 times
-  /// that from where it is in the middle; else halves of it, down to 256 between two corners of the path.
-  /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord.
-  /// Valid until the next call.
+  /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 0.75
+  /// times that from where it is in the middle (rims.h); else halves of it, down to 256 between two corners
+  /// of the path. Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Valid until the next
+  /// call.
   const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
 
  private:
