@@ -101,10 +101,11 @@ void make_flat(Object& object) {
 
 std::vector<TraversalScene> visibility_scenes(int side_px, const std::string& folder) {
   std::vector<TraversalScene> scenes;
-  for (TraversalScene& scene : traversal_scenes(side_px, folder))
+  for (TraversalScene& scene : traversal_scenes(side_px, folder)) {
+    if (scene.title == "Rotation") scenes.push_back({"Fan", "", fan(side_px)});
     if (scene.title == "Cloth ball" || scene.title == "Horse" || scene.title == "Rotation")
       scenes.push_back(std::move(scene));
-  scenes.push_back({"Fan", "", fan(side_px)});
+  }
   for (TraversalScene& scene : scenes)
     for (Object& object : scene.scene.objects) make_flat(object);
   return scenes;
