@@ -475,23 +475,7 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
   }
   // Of several surfaces the light that one lets through and what the next one covers change together, and the
   // product of their means is not the mean of their product.
-  if (pixel.by_depth == nullptr && !model_.per_pixel()) return add_both_points(0.5 * duration, pixel);
-  for (const float sign : {-1.0f, 1.0f}) {
-    float transmittance = 1.0f;
-    PixelSum sum;
-    sum.by_depth = pixel.by_depth;
-    for (const Surface& surface : surfaces_) {
-      DepthSpan span{};
-      if (pixel.by_depth != nullptr) {
-        span = span_of(surface);
-        (sign < 0.0f ? span.to : span.from) = 0.5 * (span.from + span.to);
-      }
-      model_.add(at_point(surface.mean, surface.swing, sign), 0.5 * duration, transmittance, sum, &span);
-    }
-    for (std::size_t c = 0; c < 4; ++c) pixel.rgba[c] += sum.rgba[c];
-    pixel.depth += sum.depth;
-    pixel.opacity += sum.opacity;
-  }
+  add_both_points(0.5 * duration, pixel);
 }
 
 /// What SurfaceModel::add() does for each surface at either of Gauss's points, a share `duration` of the
@@ -499,8 +483,9 @@ void SurfaceStack::composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCount
 void SurfaceStack::add_both_points(double duration, PixelSum& pixel) const {
   using Doubles = double __attribute__((vector_size(32)));
   Doubles light[2] = {};
-  double depth[2] = {}, transmittance[2] = {duration, duration};
+  double depth[2] = {}, opacity[2] = {}, transmittance[2] = {duration, duration};
   for (const Surface& surface : surfaces_) {
+    const DepthSpan span = pixel.by_depth != nullptr ? span_of(surface) : DepthSpan{};
     Color mean, swing;
     std::memcpy(&mean, surface.mean.rgba, sizeof mean);
     std::memcpy(&swing, surface.swing.rgba, sizeof swing);
@@ -510,10 +495,18 @@ void SurfaceStack::add_both_points(double duration, PixelSum& pixel) const {
       sum.weight = surface.mean.weight + sign * surface.swing.weight;
       const float factor = model_.scale(sum);
       if (factor == 0.0f) continue;
-      const Color rgba = (mean + sign * swing) * factor;
+      const Color gathered = mean + sign * swing, rgba = gathered * factor;
       const float alpha = rgba[3] < 1.0f ? rgba[3] : 1.0f;
-      const Color seen = {rgba[0], rgba[1], rgba[2], alpha};
+      const Color of_color = model_.per_pixel() ? gathered : rgba;
+      const Color seen = {of_color[0], of_color[1], of_color[2], alpha};
       light[point] += transmittance[point] * __builtin_convertvector(seen, Doubles);
+      if (model_.per_pixel()) opacity[point] += transmittance[point] * double{gathered[3]};
+      if (pixel.by_depth != nullptr) {
+        const double middle = 0.5 * (span.from + span.to);
+        double given[4] = {0.0, 0.0, 0.0, transmittance[point] * double{alpha}};
+        for (int c = 0; c < 3; ++c) given[c] = transmittance[point] * double{rgba[c]};
+        pixel.by_depth->add(point == 0 ? span.from : middle, point == 0 ? middle : span.to, given);
+      }
       const float z = (surface.mean.depth + sign * surface.swing.depth) / sum.weight;
       depth[point] += transmittance[point] * (double{alpha} * double{z});
       transmittance[point] *= 1.0 - double{alpha};
@@ -521,6 +514,7 @@ void SurfaceStack::add_both_points(double duration, PixelSum& pixel) const {
   }
   for (int c = 0; c < 4; ++c) pixel.rgba[c] += light[0][c] + light[1][c];
   pixel.depth += depth[0] + depth[1];
+  pixel.opacity += opacity[0] + opacity[1];
 }
 
 void SurfaceStack::hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters) {
