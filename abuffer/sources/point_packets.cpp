@@ -9,6 +9,7 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/sources/content_order.h"
+#include "abuffer/sources/motion_order.h"
 #include "abuffer/sources/object_instant.h"
 #include "splat/motion/instant.h"
 #include "splat/motion/look.h"
@@ -126,11 +127,22 @@ class Content {
 /// Points along a space-filling curve; those in one cell of it by content.
 std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
                                     const Exposure& exposure) {
-  const SurfelsAt pose(cloud, poses.front());
+  // In the middle points have moved apart half as far as from one end to the other.
+  const SurfelsAt pose(cloud, path_weights(cloud, exposure.middle()));
   const Content content(cloud, poses, exposure);
-  return content_order(
-      cloud.size(), [&](std::size_t i) { return pose[i].position; },
-      [&](std::uint32_t a, std::uint32_t b) { return content.less(a, b); });
+  const auto less = [&](std::uint32_t a, std::uint32_t b) { return content.less(a, b); };
+  std::vector<std::uint32_t> order = content_order(
+      cloud.size(), [&](std::size_t i) { return pose[i].position; }, less);
+  if (exposure.instant() || !cloud.moves()) return order;
+  const SurfelsAt first(cloud, poses.front()), last(cloud, poses.back());
+  return motion_order(
+      std::move(order),
+      [&](std::uint32_t i) {
+        PointEnds ends;
+        ends << first[i].position, last[i].position;
+        return ends;
+      },
+      less);
 }
 
 /// Origins, offsets, axes and the spheres that hold them.
