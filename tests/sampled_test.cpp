@@ -11,6 +11,7 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
+#include "abuffer/resolve/sample_plan.h"
 #include "abuffer/simd/sampled_math.h"
 #include "datasets/generators.h"
 #include "splat/compare/metrics.h"
@@ -431,6 +432,16 @@ TEST(Sampled, RefusesWhatIsOutOfRange) {
     EXPECT_EQ(refused.error().field, "max_error_db");
   }
   EXPECT_EQ(render_sampled(scene, instants(1), threads(-1)).error().field, "threads");
+}
+
+TEST(Sampled, AllowsACellMoreErrorTheLongerItTakes) {
+  // Half by area and half by time: four times as many pixels or instants are worth twice the error.
+  const double share = error_share(1024.0, 100, 8);
+  EXPECT_NEAR(error_share(4096.0, 100, 8), 2.0 * share, 1e-12 * share);
+  EXPECT_NEAR(error_share(1024.0, 100, 32), 2.0 * share, 1e-12 * share);
+  EXPECT_GT(error_share(1024.0, 400, 8), 1.8 * share);
+  EXPECT_LT(error_share(1024.0, 400, 8), 2.0 * share);
+  EXPECT_GT(error_share(1024.0, 0, 2), 0.0);
 }
 
 }  // namespace

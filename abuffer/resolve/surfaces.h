@@ -145,6 +145,7 @@ class SurfaceStack {
   void rank();
   void weigh(Ticks begin, Ticks end);
   void add_up(Surface& surface, Ticks begin, Ticks end) const;
+  template <bool per_pixel, bool by_depth>
   void add_both_points(double duration, PixelSum& pixel) const;
   [[nodiscard]] DepthSpan span_of(const Surface& surface) const;
   std::size_t gather_nearest(std::size_t first, Ticks begin, Ticks& end);

@@ -9,6 +9,7 @@
 
 #include "abuffer/parallel.h"
 #include "abuffer/sources/content_order.h"
+#include "abuffer/sources/motion_order.h"
 #include "abuffer/sources/object_instant.h"
 #include "abuffer/sources/path_groups.h"
 #include "splat/motion/instant.h"
@@ -132,11 +133,23 @@ class Content {
 /// Points along a space-filling curve; those in one cell of it by content.
 std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<std::uint32_t>& points,
                                     const std::vector<PathWeights>& poses, const Exposure& exposure) {
-  const SurfelsAt pose(cloud, poses.front());
+  // In the middle points have moved apart half as far as from one end to the other.
+  const SurfelsAt pose(cloud, path_weights(cloud, exposure.middle()));
   const Content content(cloud, poses, exposure);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) { return content.less(points[a], points[b]); };
   std::vector<std::uint32_t> order = content_order(
-      points.size(), [&](std::size_t i) { return pose[points[i]].position; },
-      [&](std::uint32_t a, std::uint32_t b) { return content.less(points[a], points[b]); });
+      points.size(), [&](std::size_t i) { return pose[points[i]].position; }, less);
+  if (!exposure.instant() && cloud.moves()) {
+    const SurfelsAt first(cloud, poses.front()), last(cloud, poses.back());
+    order = motion_order(
+        std::move(order),
+        [&](std::uint32_t i) {
+          PointEnds ends;
+          ends << first[points[i]].position, last[points[i]].position;
+          return ends;
+        },
+        less);
+  }
   for (std::uint32_t& i : order) i = points[i];
   return order;
 }
