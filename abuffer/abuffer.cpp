@@ -68,13 +68,6 @@ Status check_meshes(const Scene& scene, const AbufferOptions& options) {
     if (options.place_intervals == 0) return Done{};
     return Error{"", "place_intervals", "is for triangles, and the scene has none", ErrorKind::unsupported};
   }
-  for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    if (!scene.objects[i].triangles.empty() && !scene.objects[i].cloud.looks.empty())
-      return Error{
-          "", "/objects/" + std::to_string(i),
-          "is a mesh of colours or opacities that change, which the A-buffer does not draw; --method "
-          "sampled does",
-          ErrorKind::unsupported};
   if (options.normalisation != Normalisation::interval)
     return Error{"", "normalisation",
                  "of the whole pixel is for discs; a scene of triangles has that of the interval",
@@ -205,7 +198,6 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   if (Status status = check_rows(scene); !status) return status.error();
   if (Status status = check_meshes(scene, options); !status) return status.error();
-  if (Status status = refuse_textures(scene, "the A-buffer"); !status) return status.error();
   if (options.deep)
     if (Status status = refuse_triangles(scene, "the A-buffer in a deep image"); !status)
       return status.error();

@@ -25,7 +25,7 @@ struct Texture {
 
   /// At (u, v): (0, 0) is the lower left corner of the picture and (1, 1) the upper right one. Beyond them
   /// the picture repeats.
-  [[nodiscard]] Eigen::Vector4f at(float u, float v) const;
+  [[nodiscard]] Eigen::Vector4f at(double u, double v) const;
 
   /// Sizes agree, every number is finite, alpha is in [0, 1]. The error's field is a pointer into the
   /// texture.

@@ -251,6 +251,8 @@ TEST(ChangingLooks, TrianglesChangeToo) {
   scene.objects = {object};
   const Image truth = reference_of(scene, 64);
   EXPECT_GE(psnr(sampled_of(scene, 64), truth), 90.0);
+  scene.objects[0].triangles.resize(12);
+  EXPECT_GE(psnr(exact_of(scene), sampled_of(scene, 1024)), 70.0);
 }
 
 TEST(ChangingLooks, EveryInstructionSetGivesTheSameBits) {

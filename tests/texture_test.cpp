@@ -12,6 +12,7 @@
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
 #include "abuffer/simd/mesh_math.h"
+#include "abuffer/stochastic/stochastic.h"
 #include "splat/interval/pixel_places.h"
 #include "splat/io/file_bytes.h"
 #include "splat/io/image_file.h"
@@ -136,6 +137,52 @@ TEST(Textures, AreTheReference) {
     ASSERT_TRUE(truth.ok()) << truth.error().message();
     EXPECT_GT(psnr_db(sampled(scene, 4), truth->image), 105.0) << seed;
   }
+}
+
+/// In the exact method what a place sees is integrated from texel to texel.
+TEST(Textures, AreExactOverTime) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Scene scene = soup(seed);
+    scene.film = {32, 24, 0, 0, 0, 0};
+    if (seed == 3) scene.objects.push_back(soup(9).objects[0]);
+    if (seed == 4) {
+      Object& discs = scene.objects.emplace_back();
+      for (int i = 0; i < 60; ++i)
+        add_point(discs, {0.1 * (i % 10) - 0.5, 0.1 * (i / 10) - 0.3, 3.0}, {0.2f, 0.9f, 0.4f});
+      discs.cloud.velocity.assign(60, {0.3f, 0.1f, 0.0f});
+    }
+    const Result<Rendered> exact = render_abuffer(scene, {});
+    ASSERT_TRUE(exact.ok()) << exact.error().message();
+    const double db = psnr_db(exact->image, sampled(scene, 1024));
+    std::printf("seed %u: %.1f dB\n", seed, db);
+    EXPECT_GT(db, 70.0) << seed;
+  }
+}
+
+/// Hundreds of texels pass every pixel while the shutter is open: black and white in turn are grey.
+TEST(Textures, AreFilteredAlongTheWay) {
+  Scene scene = stage(16, 12);
+  Object& object = scene.objects.emplace_back();
+  for (const auto& [x, y] : {std::pair{-30.0, -30.0}, {30.0, -30.0}, {30.0, 30.0}, {-30.0, 30.0}})
+    add_point(object, {x, y, 4.0}, {1, 1, 1});
+  object.cloud.velocity.assign(4, {10.0f, 0.0f, 0.0f});
+  object.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Texture texture;
+  texture.width = 2, texture.height = 1;
+  texture.texels = {{0, 0, 0, 1}, {1, 1, 1, 1}};
+  object.texture = std::make_shared<const Texture>(texture);
+  // 25 pairs of texels to a unit of length, and 10 units pass.
+  for (const Triangle& t : object.triangles) {
+    TextureCorners& corners = object.texture_corners.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3d& p = object.cloud.keys[0].pose.position[t[i]];
+      corners[i] = Eigen::Vector2f(static_cast<float>(25.0 * p.x()), 0.5f);
+    }
+  }
+  const Result<Rendered> exact = render_abuffer(scene, {});
+  ASSERT_TRUE(exact.ok()) << exact.error().message();
+  for (std::size_t i = 0; i < exact->image.pixel_count(); ++i)
+    ASSERT_NEAR(exact->image.rgba[4 * i], 0.5f, 1e-5f) << i;
 }
 
 TEST(Textures, HaveTheSameBitsWithEveryInstructionSet) {
@@ -366,9 +413,11 @@ TEST_F(TextureFiles, ScenesLayThemOverMeshes) {
   EXPECT_EQ((*scene)->objects[0].texture->width, 4);
   EXPECT_EQ((*scene)->objects[0].texture_corners.size(), 3u);
 
+  // All methods that draw triangles but the stochastic one draw it.
+  EXPECT_TRUE(render_abuffer(**scene, {}).ok());
   const Status refused = [&]() -> Status {
-    const Result<Rendered> exact = render_abuffer(**scene, {});
-    return exact ? Status(Done{}) : Status(exact.error());
+    const Result<Rendered> stochastic = render_stochastic(**scene, {});
+    return stochastic ? Status(Done{}) : Status(stochastic.error());
   }();
   EXPECT_EQ(refused.error().kind, ErrorKind::unsupported);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "abuffer/resolve/texel_cuts.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
@@ -75,9 +76,14 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum) {
       const bool even =
           std::all_of(seen.begin(), seen.end(), [&](std::uint32_t t) { return of.triangles[t].plain; });
       throw_if_stopped(places_.stop);
-      add_light(
-          of.light.share(piece.begin), of.light.share(piece.end), even, of.light,
-          [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place);
+      for (const std::uint32_t t : seen)
+        if (of.triangles[t].texture != nullptr)
+          add_texel_cuts(of.triangles[t], ray, piece.begin, piece.end, cuts_);
+      between_cuts(piece.begin, piece.end, cuts_, [&](double begin, double end) {
+        add_light(
+            of.light.share(begin), of.light.share(end), even, of.light,
+            [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place);
+      });
     }
     sum.add(of_place, 1.0 / pixel_places);
     first = last;

@@ -64,6 +64,7 @@ class ExactPixel {
   PlaceSweep places_;
   MeshPixel meshes_;
   std::vector<Ticks> breaks_;
+  std::vector<double> cuts_;
 };
 
 }  // namespace swept

@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "abuffer/resolve/texel_cuts.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
@@ -169,7 +170,20 @@ void MeshPixel::add_between_events(double begin, double end, LightSum& sum) {
   }
   if (on_.empty() && discs_.empty()) return;
   const bool even = plain_ && discs_.empty();
-  const auto at = [&](double time) { return light_at(time); };
+  const auto add_smooth = [&](double from, double to) {
+    for (const std::size_t t : on_) {
+      const Track& track = tracks_[t];
+      const PlacePiece& piece = track.pieces[track.next];
+      for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i)
+        if (const TriangleStretch& triangle = (*triangles_)[track.seen[i]]; triangle.texture != nullptr)
+          add_texel_cuts(triangle, (*rays_)[track.place], from, to, cuts_);
+    }
+    between_cuts(from, to, cuts_, [&](double a, double b) {
+      add_light(
+          light_->share(a), light_->share(b), even, *light_, [&](double time) { return light_at(time); },
+          sum);
+    });
+  };
   const bool may_cross =
       !on_.empty() && (!discs_.empty() || tracks_[on_.front()].mesh != tracks_[on_.back()].mesh);
   // They change places where the depths of their surfaces do.
@@ -187,11 +201,11 @@ void MeshPixel::add_between_events(double begin, double end, LightSum& sum) {
       if (!(same < half && half < other)) break;
       (order_at(half) == first ? same : other) = half;
     }
-    add_light(light_->share(begin), light_->share(other), even, *light_, at, sum);
+    add_smooth(begin, other);
     begin = other;
     ++sweep_->counters.crossings;
   }
-  add_light(light_->share(begin), light_->share(end), even, *light_, at, sum);
+  add_smooth(begin, end);
 }
 
 }  // namespace swept

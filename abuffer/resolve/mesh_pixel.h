@@ -67,7 +67,7 @@ class MeshPixel {
   std::vector<Track> tracks_;
   std::vector<std::size_t> on_;  ///< tracks, by mesh
   std::vector<Surface> surfaces_, merged_;
-  std::vector<double> times_;
+  std::vector<double> times_, cuts_;
   std::size_t next_time_ = 0;  ///< of times_: none before it is later than what was added
   // Of add():
   std::span<const MovingSurface> discs_;

@@ -7,6 +7,7 @@
 
 #include "abuffer/tiles/path_frames.h"
 #include "splat/motion/instant.h"
+#include "splat/motion/look.h"
 #include "splat/motion/path.h"
 #include "splat/without_throwing.h"
 
@@ -34,6 +35,9 @@ bool only_shifts(const Scene& scene, const Object& object, const Exposure& expos
 /// Frames between which nothing has a corner, from the exposure's open to its close.
 std::vector<double> smooth_spans(const Scene& scene, const Object& object, const Exposure& exposure) {
   std::vector<double> frames = path_corners(object.cloud, exposure.open, exposure.close);
+  const std::vector<double> look_frames = look_corners(object.cloud, exposure.open, exposure.close);
+  frames.insert(frames.end(), look_frames.begin(), look_frames.end());
+  std::sort(frames.begin(), frames.end());
   // No curve may bend both ways between two looks at it.
   const std::size_t parts = path_degree(object.cloud) > 2 ? path_degree(object.cloud) : 1;
   std::vector<double> looks;
@@ -94,6 +98,10 @@ Result<MovingMesh> MovingMesh::follow(const Scene& scene, const Object& object, 
                                       double tolerance_px, const std::stop_token& stop) {
   MovingMesh mesh;
   mesh.object_ = &object;
+  mesh.open_ = exposure.open, mesh.close_ = exposure.close;
+  if (object.texture)
+    mesh.opaque_texture_ = std::all_of(object.texture->texels.begin(), object.texture->texels.end(),
+                                       [](const Eigen::Vector4f& texel) { return texel.w() >= 1.0f; });
   const SurfelCloud& cloud = object.cloud;
   const Looks looks(scene, object, exposure);
   const auto end_at = [&](double shutter_time, double middle_frame) {

@@ -33,6 +33,10 @@ class MovingMesh {
   [[nodiscard]] std::size_t stretches() const { return times_.size() - 1; }
   /// Where stretch `s` begins; and where the last one ends.
   [[nodiscard]] double time(std::size_t s) const { return times_[s]; }
+  /// The frame in which stretch `s` begins. Colours change evenly over each stretch.
+  [[nodiscard]] double frame(std::size_t s) const { return open_ + times_[s] * (close_ - open_); }
+  /// Whether no light comes through its texture, if it has one.
+  [[nodiscard]] bool opaque_texture() const { return opaque_texture_; }
   /// Of a point: degree() + 1.
   [[nodiscard]] const Eigen::Vector3d* path(std::size_t stretch, std::size_t point) const {
     return &controls_[(stretch * object_->cloud.size() + point) * static_cast<std::size_t>(degree_ + 1)];
@@ -43,6 +47,8 @@ class MovingMesh {
 
   const Object* object_ = nullptr;
   int degree_ = 1;
+  double open_ = 0.0, close_ = 0.0;  ///< frames
+  bool opaque_texture_ = true;
   std::vector<double> times_;
   std::vector<char> mirrored_;  ///< by stretch
   std::vector<Eigen::Vector3d> controls_;

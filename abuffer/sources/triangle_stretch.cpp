@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "splat/interval/fixed_bernstein.h"
+#include "splat/motion/look.h"
 
 namespace swept {
 namespace {
@@ -108,16 +109,23 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
       farthest_ = std::max(farthest_, controls[k].z());
       cut_ = cut_ || !(controls[k].z() >= near);
     }
-    const float opacity = object.cloud.opacity.empty() ? 1.0f : object.cloud.opacity[point];
-    for (int c = 0; c < 3; ++c)
-      rgba[i][c] = opacity * (object.cloud.color.empty() ? 1.0f : object.cloud.color[point][c]);
-    rgba[i][3] = opacity;
+    const Eigen::Vector4f first = LooksAt(object.cloud, of.frame(stretch))[point],
+                          last = LooksAt(object.cloud, of.frame(stretch + 1))[point];
+    for (int c = 0; c < 4; ++c) rgba[i][c] = first[c], more[i][c] = last[c] - first[c];
   }
   nearest_ = std::max(nearest_, near);
   plain = opaque = true;
-  for (const auto& color : rgba) {
-    plain = plain && std::equal(color, color + 4, rgba[0]);
-    opaque = opaque && color[3] >= 1.0f;
+  for (std::size_t i = 0; i < 3; ++i) {
+    plain = plain && std::equal(rgba[i], rgba[i] + 4, rgba[0]);
+    for (const float change : more[i]) plain = plain && change == 0.0f;
+    opaque = opaque && rgba[i][3] >= 1.0f && rgba[i][3] + more[i][3] >= 1.0f;
+  }
+  if (object.texture) {
+    texture = object.texture.get();
+    for (std::size_t i = 0; i < 3; ++i)
+      uv[i][0] = object.texture_corners[t][i].x(), uv[i][1] = object.texture_corners[t][i].y();
+    plain = false;
+    opaque = opaque && of.opaque_texture();
   }
   for (std::size_t i = 0; i < 3; ++i) edge_[i] = EdgeFunction(path[(i + 1) % 3], path[(i + 2) % 3], degree_);
   // Counter-clockwise from the front: all edge functions are below 0 there.
@@ -225,6 +233,18 @@ void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to
   }
 }
 
+TriangleStretch::OnTexture TriangleStretch::on_texture(const Eigen::Vector3d& ray, double time) const {
+  const double t = std::clamp(local(time), 0.0, 1.0);
+  double weight = 0.0, at[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double e = edge_[i].at(ray).at(t);
+    weight += e;
+    for (int c = 0; c < 2; ++c) at[c] += e * double{uv[i][c]};
+  }
+  if (weight == 0.0) return {0.0, 0.0};
+  return {at[0] / weight * texture->width - 0.5, (1.0 - at[1] / weight) * texture->height - 0.5};
+}
+
 template <int n>
 TriangleStretch::Look TriangleStretch::look_of(const Eigen::Vector3d& ray, double time) const {
   const double t = std::clamp(local(time), 0.0, 1.0);
@@ -242,7 +262,14 @@ TriangleStretch::Look TriangleStretch::look_of(const Eigen::Vector3d& ray, doubl
   if (plain) return seen;
   for (int c = 0; c < 4; ++c) {
     seen.rgba[c] = 0.0;
-    for (int i = 0; i < 3; ++i) seen.rgba[c] += e[i] / weight * double{rgba[i][c]};
+    for (int i = 0; i < 3; ++i) seen.rgba[c] += e[i] / weight * (double{rgba[i][c]} + t * double{more[i][c]});
+  }
+  if (texture != nullptr) {
+    double at[2] = {0.0, 0.0};
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 2; ++c) at[c] += e[i] / weight * double{uv[i][c]};
+    const Eigen::Vector4f texel = texture->at(at[0], at[1]);
+    for (int c = 0; c < 4; ++c) seen.rgba[c] *= double{texel[c]};
   }
   return seen;
 }

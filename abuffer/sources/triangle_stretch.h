@@ -33,9 +33,12 @@ class TriangleStretch {
                   double near, bool orthographic = false);
 
   std::uint32_t mesh, triangle;
-  double begin, end;   ///< of the stretch
-  bool plain, opaque;  ///< all corners have one colour; no light comes through
-  float rgba[3][4];    ///< premultiplied
+  double begin, end;                 ///< of the stretch
+  bool plain, opaque;                ///< all corners have one colour; no light comes through
+  float rgba[3][4];                  ///< premultiplied, as the stretch begins
+  float more[3][4];                  ///< and by how much more as it ends
+  const Texture* texture = nullptr;  ///< multiplies them
+  float uv[3][2];                    ///< the corners' places on it
 
   /// Whether no ray within (±half_x, ±half_y) of `ray` meets it. It may say no where that is so, but never
   /// yes where it is not.
@@ -54,6 +57,11 @@ class TriangleStretch {
   };
   /// What the ray sees of it at a time at which it meets it.
   [[nodiscard]] Look look(const Eigen::Vector3d& ray, double time) const;
+  /// Where on the texture, in texels, less half of one: whole numbers are where it is not smooth.
+  struct OnTexture {
+    double x, y;
+  };
+  [[nodiscard]] OnTexture on_texture(const Eigen::Vector3d& ray, double time) const;
 
  private:
   template <int n>
