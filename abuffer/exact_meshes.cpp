@@ -63,16 +63,23 @@ void MeshFragments::select(std::size_t tile) {
 /// From the nearest on, so that what hides comes before what it hides.
 void MeshFragments::order_entries() {
   order_.clear();
-  for (std::size_t i = 0; i < entries_.size(); ++i)
+  std::size_t looks = 0;
+  const auto look_at_stop = [&] {
+    if (++looks % 4096 == 0) throw_if_stopped(film_.stop);
+  };
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    look_at_stop();
     order_.push_back({film_.tile_tests ? nearest_of(film_.meshes[entries_[i].mesh], entries_[i].stretch,
                                                     entries_[i].triangle, film_.scene.camera.near)
                                        : 0.0f,
                       static_cast<std::uint32_t>(i)});
+  }
   const auto path = [&](std::uint32_t i, std::size_t corner) -> const Eigen::Vector3d& {
     const MovingMesh& mesh = film_.meshes[entries_[i].mesh];
     return *mesh.path(entries_[i].stretch, mesh.object().triangles[entries_[i].triangle][corner]);
   };
   std::sort(order_.begin(), order_.end(), [&](const auto& a, const auto& b) {
+    look_at_stop();
     if (a.first != b.first || !film_.tile_tests) return a < b;
     // Equally near: by what they are, as the order of meshes must not matter.
     for (std::size_t corner = 0; corner < 3; ++corner)
