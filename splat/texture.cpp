@@ -27,8 +27,7 @@ Between between(double texels, int count) {
 }  // namespace
 
 Eigen::Vector4f Texture::at(double u, double v) const {
-  const Between x = between(u * width - 0.5, width),
-                y = between((1.0 - v) * height - 0.5, height);
+  const Between x = between(u * width - 0.5, width), y = between((1.0 - v) * height - 0.5, height);
   const auto row = [&](std::size_t of) -> Eigen::Vector4f {
     const Eigen::Vector4f* texel = &texels[of * static_cast<std::size_t>(width)];
     return texel[x.first] + x.share * (texel[x.second] - texel[x.first]);

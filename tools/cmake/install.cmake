@@ -13,13 +13,13 @@ endif()
 
 # Public headers. Those of splat/ are, but for what its own sources share; of other folders only these.
 file(GLOB_RECURSE swept_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} splat/*.h)
-list(FILTER swept_headers EXCLUDE REGEX "/io/|/(cut|instant|look|path|bernstein|edge_function|flip|srgb|stopwatch|without_throwing)\\.h$")
+list(FILTER swept_headers EXCLUDE REGEX "/io/|/(cut|instant|look|path|rims|bernstein|fixed_bernstein|edge_function|flip|srgb|stopwatch|without_throwing)\\.h$")
 foreach(header atomic_file cloud_scene cloud_source image_file point_file read_report scene_file sequence splat_file
         stitch_exr surfel_estimate texture_file)
   list(APPEND swept_headers splat/io/${header}.h)
 endforeach()
 list(APPEND swept_headers abuffer/abuffer.h abuffer/layers.h abuffer/sampled.h abuffer/reference/reference.h
-     abuffer/stochastic/stochastic.h datasets/generators.h)
+     abuffer/stochastic/stochastic.h abuffer/visibility.h datasets/generators.h)
 if(SWEPT_GPU)
   list(APPEND swept_headers gpu_passes/gpu_renderer.h)
 endif()
