@@ -10,6 +10,7 @@
 
 #include "splat/interval/bernstein.h"
 #include "splat/interval/edge_function.h"
+#include "tests/oracle/of_roots.h"
 
 namespace swept {
 namespace {
@@ -27,20 +28,6 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
-
-/// Π (t − roots), times `scale`.
-Bernstein of_roots(const std::vector<double>& roots, double scale) {
-  Bernstein p;
-  p.c[0] = scale;
-  for (const double root : roots) {
-    Bernstein factor;
-    factor.degree = 1;
-    factor.c[0] = -root;
-    factor.c[1] = 1.0 - root;
-    p = product(p, factor);
-  }
-  return p;
-}
 
 /// Below it the sign is not known: coefficients are moved by about so much in cutting, and Ferrari's formula
 /// loses some more where three roots or four are one.

@@ -18,66 +18,19 @@
 #include "abuffer/sampled.h"
 #include "abuffer/sources/triangle_stretch.h"
 #include "tests/counter.h"
+#include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
-#include "tests/splat_scenes.h"
 
 namespace swept {
 namespace {
 
+using test::add_point;
+using test::exact;
 using test::psnr_db;
+using test::rectangle;
+using test::stills;
 
-Rendered exact(const Scene& scene, const AbufferOptions& options = {}, int threads = 0) {
-  RenderControl control;
-  control.threads = threads;
-  Result<Rendered> result = render_abuffer(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
-Image stills(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-/// A camera at the origin that looks along z, y down, with a focal length of 64 px for 80 by 60 of them.
-Scene stage(int width = 40, int height = 30) {
-  Scene scene;
-  scene.film = {width, height, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats = {test::looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 60.0)};
-  scene.camera.look_ats[0].tan_half_fov_y = 30.0 / 64.0;
-  scene.camera.near = 0.1;
-  return scene;
-}
-
-std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
-  if (object.cloud.keys.empty()) object.cloud.keys.emplace_back();
-  SurfelPose& pose = object.cloud.keys[0].pose;
-  pose.position.push_back(position);
-  pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
-  pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
-  object.cloud.color.push_back(color);
-  return static_cast<std::uint32_t>(pose.size() - 1);
-}
-
-void move(Object& object, const Eigen::Vector3f& velocity) {
-  object.cloud.velocity.assign(object.cloud.size(), velocity);
-}
-
-/// An upright rectangle about a point.
-Object rectangle(const Eigen::Vector3d& middle, double half_width, double half_height,
-                 const Eigen::Vector3f& color) {
-  Object object;
-  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
-    add_point(object, middle + Eigen::Vector3d(x * half_width, y * half_height, 0.0), color);
-  object.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return object;
-}
+Scene stage(int width = 40, int height = 30) { return test::mesh_stage(width, height, 30.0 / 64.0); }
 
 /// Both in one mesh; velocities too.
 Object together(const Object& a, const Object& b) {
@@ -90,30 +43,6 @@ Object together(const Object& a, const Object& b) {
   }
   for (const Triangle& t : b.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return both;
-}
-
-/// Triangles at random, of all sizes, some of them through the near plane and behind the eye.
-Object soup(int triangles, unsigned seed, bool transparent, double speed = 0.5) {
-  std::mt19937 random(seed);
-  const auto uniform = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
-  };
-  Object object;
-  for (int t = 0; t < triangles; ++t) {
-    const Eigen::Vector3d middle(uniform(-2.0, 2.0), uniform(-1.5, 1.5), uniform(-0.2, 6.0));
-    const double size = std::pow(10.0, uniform(-2.0, 0.3));
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d offset(uniform(-size, size), uniform(-size, size), uniform(-size, size));
-      const auto channel = [&] { return static_cast<float>(uniform(0.0, 1.0)); };
-      const auto rate = [&] { return static_cast<float>(uniform(-speed, speed)); };
-      add_point(object, middle + offset, {channel(), channel(), channel()});
-      object.cloud.velocity.emplace_back(rate(), rate(), rate());
-      if (transparent) object.cloud.opacity.push_back(channel());
-    }
-    const auto first = static_cast<std::uint32_t>(3 * t);
-    object.triangles.push_back({first, first + 1, first + 2});
-  }
-  return object;
 }
 
 void turn(Object& object, const Eigen::Vector3d& axis, double radians) {
@@ -144,7 +73,7 @@ TEST(ExactMeshes, AreTheMeanOfManyInstants) {
     for (const bool turning : {false, true})
       for (const bool two_sided : {false, true}) {
         Scene scene = stage();
-        scene.objects = {soup(40, 7, transparent)};
+        scene.objects = {test::triangle_soup(40, 7, transparent)};
         scene.objects[0].two_sided = two_sided;
         if (turning) {
           turn(scene.objects[0], {1, 2, 3}, 0.4);
@@ -210,13 +139,13 @@ TEST(ExactMeshes, FollowAnyMotionAndAnyShutter) {
       {"a trapezoid", [](Scene& s) { s.shutter.curve = ShutterShape::trapezoid; }},
       {"several meshes",
        [](Scene& s) {
-         s.objects.push_back(soup(15, 31, true));
-         s.objects.push_back(soup(10, 32, false, 0.0));
+         s.objects.push_back(test::triangle_soup(15, 31, true));
+         s.objects.push_back(test::triangle_soup(10, 32, false, 0.0));
        }},
   };
   for (const auto& [name, change] : cases) {
     Scene scene = stage();
-    scene.objects = {soup(30, 9, true)};
+    scene.objects = {test::triangle_soup(30, 9, true)};
     change(scene);
     EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 1024)), 70.0) << name;
   }
@@ -225,8 +154,8 @@ TEST(ExactMeshes, FollowAnyMotionAndAnyShutter) {
 TEST(ExactMeshes, AreTheMeanWhereNobodyChoseThem) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Scene scene = stage(24, 18);
-    scene.objects = {soup(15 + static_cast<int>(seed) % 20, seed, seed % 3 == 0)};
-    if (seed % 4 == 0) scene.objects.push_back(soup(8, seed + 100, seed % 8 == 0));
+    scene.objects = {test::triangle_soup(15 + static_cast<int>(seed) % 20, seed, seed % 3 == 0)};
+    if (seed % 4 == 0) scene.objects.push_back(test::triangle_soup(8, seed + 100, seed % 8 == 0));
     scene.objects[0].two_sided = seed % 2 == 0;
     if (seed % 3 == 1) turn(scene.objects[0], {0.2, 0.1, 1.0}, 1.5);
     // Corners on a coarse grid: edges along rays, triangles without an area, equal depths.
@@ -241,8 +170,8 @@ TEST(ExactMeshes, AreTheMeanWhereNobodyChoseThem) {
 TEST(ExactMeshes, ThatCrossInDepthShareTheExposure) {
   Object near = rectangle({0, 0, 2.0}, 3.0, 3.0, {1, 0, 0}),
          far = rectangle({0, 0, 3.0}, 4.0, 4.0, {0, 0, 1});
-  move(near, {0, 0, 1});
-  move(far, {0, 0, -1});
+  test::move_points(near, {0, 0, 1});
+  test::move_points(far, {0, 0, -1});
   for (const bool one_mesh : {true, false}) {
     Scene scene = stage();
     scene.objects = {near, far};
@@ -264,9 +193,9 @@ TEST(ExactMeshes, JoJoHidesWhatItPassesInFrontOf) {
     Object red = rectangle({0, 0, 4.0}, 9.0, 9.0, {1, 0, 0}),
            blue = rectangle({0, 0, 3.0}, 9.0, 9.0, {0, 0, 1});
     // z = 4 − 8τ + 8τ²: in front of 3 while τ² − τ + 1/8 < 0, for √½ of the time.
-    move(red, {0, 0, -8});
+    test::move_points(red, {0, 0, -8});
     red.cloud.acceleration.assign(4, {0, 0, 16});
-    move(blue, {0.5, 0, 0});
+    test::move_points(blue, {0.5, 0, 0});
     blue.cloud.acceleration.assign(4, {0, 0, 0});
     Scene scene = stage();
     scene.objects = {red, blue};
@@ -325,7 +254,7 @@ TEST(ExactMeshes, MeetWithoutGapsAndOverlaps) {
         object.triangles.push_back({b, c, d});
       }
     object.cloud.opacity.assign(object.cloud.size(), opacity);
-    move(object, {0.3f, 0.1f, 0.05f});
+    test::move_points(object, {0.3f, 0.1f, 0.05f});
     scene.objects = {object};
     const Image image = exact(scene).image;
     for (std::size_t i = 0; i < image.pixel_count(); ++i) {
@@ -337,7 +266,8 @@ TEST(ExactMeshes, MeetWithoutGapsAndOverlaps) {
 
 TEST(ExactMeshes, HaveTheSameBitsHoweverTheyAreDrawn) {
   Scene scene = stage(60, 50);
-  scene.objects = {soup(40, 21, true), soup(20, 22, false), soup(10, 23, true)};
+  scene.objects = {test::triangle_soup(40, 21, true), test::triangle_soup(20, 22, false),
+                   test::triangle_soup(10, 23, true)};
   turn(scene.objects[1], {1, 0, 1}, 0.7);
   const Image first = exact(scene).image;
   EXPECT_EQ(exact(scene, {}, 1).image.rgba, first.rgba);
@@ -364,7 +294,7 @@ TEST(ExactMeshes, HaveTheSameBitsHoweverTheyAreDrawn) {
 /// A row of a rolling shutter is that row of the scene exposed later.
 TEST(ExactMeshes, RollWithTheShutter) {
   Scene scene = stage();
-  scene.objects = {soup(30, 9, true)};
+  scene.objects = {test::triangle_soup(30, 9, true)};
   scene.shutter.row_delay = 0.02;
   const Image rolling = exact(scene).image;
   scene.shutter.row_delay = 0.0;
@@ -381,7 +311,7 @@ TEST(ExactMeshes, RollWithTheShutter) {
 TEST(ExactMeshes, StopSoon) {
   Scene scene = stage(640, 480);
   scene.camera.look_ats[0].tan_half_fov_y = 0.5;
-  scene.objects = {soup(3000, 3, true, 2.0)};
+  scene.objects = {test::triangle_soup(3000, 3, true, 2.0)};
   turn(scene.objects[0], {0, 0, 1}, 3.0);
   std::stop_source source;
   RenderControl control;

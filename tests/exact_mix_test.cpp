@@ -9,73 +9,24 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
 #include "tests/counter.h"
-#include "tests/splat_scenes.h"
+#include "tests/mesh_scenes.h"
 
 namespace swept {
 namespace {
 
+using test::add_point;
+using test::exact;
 using test::psnr_db;
 
-Rendered exact(const Scene& scene, const AbufferOptions& options = {}, int threads = 0) {
-  RenderControl control;
-  control.threads = threads;
-  Result<Rendered> result = render_abuffer(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
-Image stills(const Scene& scene, int samples = 1024) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-Image reference(const Scene& scene, int samples = 1024) {
-  Result<Rendered> result = render_reference(scene, {samples, ReferenceMotion::smooth});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-/// A camera at the origin that looks along z, y down, with a focal length of 64 px for 80 by 60 of them.
-Scene stage(int width = 40, int height = 30) {
-  Scene scene;
-  scene.film = {width, height, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats = {test::looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 60.0)};
-  scene.camera.look_ats[0].tan_half_fov_y = 30.0 / 64.0;
-  scene.camera.near = 0.1;
-  return scene;
-}
-
-std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color,
-                        float radius = 0.1f) {
-  if (object.cloud.keys.empty()) object.cloud.keys.emplace_back();
-  SurfelPose& pose = object.cloud.keys[0].pose;
-  pose.position.push_back(position);
-  pose.axis_u.emplace_back(radius, 0.0f, 0.0f);
-  pose.axis_v.emplace_back(0.0f, radius, 0.0f);
-  object.cloud.color.push_back(color);
-  return static_cast<std::uint32_t>(pose.size() - 1);
-}
-
-void move(Object& object, const Eigen::Vector3f& velocity) {
-  object.cloud.velocity.assign(object.cloud.size(), velocity);
-}
+Image stills(const Scene& scene, int samples = 1024) { return test::stills(scene, samples); }
+Image reference(const Scene& scene, int samples = 1024) { return test::smooth_reference(scene, samples); }
+Scene stage(int width = 40, int height = 30) { return test::mesh_stage(width, height, 30.0 / 64.0); }
 
 Object rectangle(const Eigen::Vector3d& middle, double half_width, double half_height,
                  const Eigen::Vector3f& color, float opacity = 1.0f) {
-  Object object;
-  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
-    add_point(object, middle + Eigen::Vector3d(x * half_width, y * half_height, 0.0), color);
-  object.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Object object = test::rectangle(middle, half_width, half_height, color);
   object.cloud.opacity.assign(4, opacity);
   return object;
 }
@@ -94,31 +45,7 @@ Object cloud(int points, unsigned seed, const Eigen::Vector3d& middle, double ha
               {static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)), 0.3f}, radius);
   }
   object.cloud.opacity.assign(object.cloud.size(), opacity);
-  move(object, velocity);
-  return object;
-}
-
-/// Triangles at random, of many sizes.
-Object soup(int triangles, unsigned seed, bool transparent, double speed = 0.5) {
-  std::mt19937 random(seed);
-  const auto uniform = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
-  };
-  Object object;
-  for (int t = 0; t < triangles; ++t) {
-    const Eigen::Vector3d middle(uniform(-2.0, 2.0), uniform(-1.5, 1.5), uniform(-0.2, 6.0));
-    const double size = std::pow(10.0, uniform(-2.0, 0.3));
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d offset(uniform(-size, size), uniform(-size, size), uniform(-size, size));
-      const auto channel = [&] { return static_cast<float>(uniform(0.0, 1.0)); };
-      const auto rate = [&] { return static_cast<float>(uniform(-speed, speed)); };
-      add_point(object, middle + offset, {channel(), channel(), channel()});
-      object.cloud.velocity.emplace_back(rate(), rate(), rate());
-      if (transparent) object.cloud.opacity.push_back(channel());
-    }
-    const auto first = static_cast<std::uint32_t>(3 * t);
-    object.triangles.push_back({first, first + 1, first + 2});
-  }
+  test::move_points(object, velocity);
   return object;
 }
 
@@ -143,7 +70,7 @@ TEST(ExactMix, IsTheMeanOfManyInstants) {
   scene.model.segments = 64;
   scene.objects = {rectangle({0.1, 0.05, 3.0}, 0.8, 0.6, {0.2f, 0.4f, 1.0f}),
                    cloud(250, 3, {-0.1, 0, 2.5}, 0.6, 0.12f, {0.3f, 0.1f, 1.0f})};
-  move(scene.objects[0], {-0.2f, 0.1f, 0.0f});
+  test::move_points(scene.objects[0], {-0.2f, 0.1f, 0.0f});
   expect_the_mean(scene, "a cloud flies through a mesh");
 
   // There and back again: keys.
@@ -161,11 +88,11 @@ TEST(ExactMix, IsTheMeanOfManyInstants) {
   scene.objects = {rectangle({0, 0, 3.0}, 0.8, 0.6, {0.2f, 0.4f, 1.0f}),
                    cloud(60, 4, {0, 0, 2.0}, 0.4, 0.15f, {0.4f, 0.0f, 0.0f}, 0.4f),
                    cloud(60, 5, {0, 0, 4.0}, 0.9, 0.3f, {-0.6f, 0.2f, 0.0f}, 0.6f)};
-  move(scene.objects[0], {0.0f, 0.3f, 0.0f});
+  test::move_points(scene.objects[0], {0.0f, 0.3f, 0.0f});
   expect_the_mean(scene, "translucent discs before and behind an opaque mesh");
 
   scene.objects[0] = rectangle({0, 0, 3.0}, 0.8, 0.6, {0.2f, 0.4f, 1.0f}, 0.5f);
-  move(scene.objects[0], {0.2f, 0.3f, 0.0f});
+  test::move_points(scene.objects[0], {0.2f, 0.3f, 0.0f});
   expect_the_mean(scene, "a translucent mesh between translucent discs");
 }
 
@@ -174,9 +101,10 @@ TEST(ExactMix, IsTheMeanWhereNobodyChoseTheScene) {
     Scene scene = stage();
     scene.model.segments = 16;
     scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
-    scene.objects = {soup(20, seed, seed % 2 == 0), cloud(80, seed, {0, 0, 3.0}, 1.2, 0.15f,
-                                                          {0.3f, -0.2f, 0.6f}, seed % 3 == 0 ? 0.5f : 1.0f)};
-    if (seed % 3 == 1) scene.objects.push_back(soup(10, 100 + seed, true));
+    scene.objects = {
+        test::triangle_soup(20, seed, seed % 2 == 0),
+        cloud(80, seed, {0, 0, 3.0}, 1.2, 0.15f, {0.3f, -0.2f, 0.6f}, seed % 3 == 0 ? 0.5f : 1.0f)};
+    if (seed % 3 == 1) scene.objects.push_back(test::triangle_soup(10, 100 + seed, true));
     if (seed == 5) scene.model.depth_tolerance = 0.0;
     if (seed == 6) scene.model.coverage = Coverage::hard;
     expect_the_mean(scene, ("seed " + std::to_string(seed)).c_str());
@@ -188,9 +116,9 @@ TEST(ExactMix, CrossingInDepthGivesHalfAndHalf) {
   Scene scene = stage(20, 16);
   Object disc;
   add_point(disc, {0, 0, 3.0}, {0, 0, 1}, 100.0f);
-  move(disc, {0, 0, -1});
+  test::move_points(disc, {0, 0, -1});
   scene.objects = {rectangle({0, 0, 2.0}, 3.0, 3.0, {1, 0, 0}), disc};
-  move(scene.objects[0], {0, 0, 1});
+  test::move_points(scene.objects[0], {0, 0, 1});
   const Image image = exact(scene).image;
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
     ASSERT_NEAR(image.rgba[4 * i], 0.5, 1e-6);
@@ -203,7 +131,7 @@ TEST(ExactMix, FollowsShuttersAndRows) {
   Scene scene = stage();
   scene.objects = {rectangle({0.1, 0.05, 3.0}, 0.8, 0.6, {0.2f, 0.4f, 1.0f}),
                    cloud(100, 3, {-0.1, 0, 2.5}, 0.6, 0.12f, {0.3f, 0.1f, 0.0f})};
-  move(scene.objects[0], {-0.2f, 0.1f, 0.0f});
+  test::move_points(scene.objects[0], {-0.2f, 0.1f, 0.0f});
   scene.shutter.curve = ShutterShape::trapezoid;
   EXPECT_GT(psnr_db(exact(scene).image, stills(scene)), 70.0);
   scene.shutter.curve = ShutterShape::box;
@@ -225,8 +153,9 @@ TEST(ExactMix, FollowsShuttersAndRows) {
 
 TEST(ExactMix, HasTheSameBitsHoweverItIsDrawn) {
   Scene scene = stage(60, 50);
-  scene.objects = {soup(20, 3, true), cloud(150, 4, {0, 0, 3.0}, 1.2, 0.15f, {0.3f, -0.2f, 0.6f}, 0.7f),
-                   soup(10, 5, false)};
+  scene.objects = {test::triangle_soup(20, 3, true),
+                   cloud(150, 4, {0, 0, 3.0}, 1.2, 0.15f, {0.3f, -0.2f, 0.6f}, 0.7f),
+                   test::triangle_soup(10, 5, false)};
   const Image first = exact(scene).image;
   AbufferOptions options;
   options.tile_px = 7;

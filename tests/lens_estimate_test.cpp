@@ -180,17 +180,10 @@ Scene of_triangles(bool moves) {
   scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
   test::Random random(9);
   for (int n = 0; n < 2; ++n) {
-    Object object;
-    for (int t = 0; t < 15; ++t) {
-      const Eigen::Vector3d middle(random(-1.5, 1.5), random(-1.2, 1.2), random(-3.0, 2.0));
-      for (int i = 0; i < 3; ++i) {
-        test::add_disc(object, middle + random.vector(-0.6, 0.6), {0, 0, 1}, 0.1,
-                       random.vector(0.0, 1.0).cast<float>());
-        object.cloud.opacity.push_back(n == 0 ? 1.0f : 0.6f);
-      }
-      const auto first = static_cast<std::uint32_t>(3 * t);
-      object.triangles.push_back({first, first + 1, first + 2});
-    }
+    Object object = test::triangles_about(15, n == 0 ? 1.0f : 0.6f, random, [&] {
+      const double x = random(-1.5, 1.5), y = random(-1.2, 1.2);
+      return Eigen::Vector3d(x, y, random(-3.0, 2.0));
+    });
     test::move(object, {0, 0, 0}, moves ? Eigen::Vector3d(-0.3, 0.2 * n, 0.3) : Eigen::Vector3d(0, 0, 0),
                moves ? 0.5 : 0.0);
     scene.objects.push_back(std::move(object));

@@ -206,17 +206,8 @@ Scene of_triangles(bool both = true) {
   scene.objects.clear();
   test::Random random(7);
   for (int n = 0; n < (both ? 2 : 1); ++n) {
-    Object object;
-    for (int t = 0; t < 16; ++t) {
-      const Eigen::Vector3d middle = random.vector(-1.2, 1.2);
-      for (int i = 0; i < 3; ++i) {
-        test::add_disc(object, middle + random.vector(-0.6, 0.6), {0, 0, 1}, 0.1,
-                       random.vector(0.0, 1.0).cast<float>());
-        object.cloud.opacity.push_back(n == 0 ? 1.0f : 0.6f);
-      }
-      const auto first = static_cast<std::uint32_t>(3 * t);
-      object.triangles.push_back({first, first + 1, first + 2});
-    }
+    Object object =
+        test::triangles_about(16, n == 0 ? 1.0f : 0.6f, random, [&] { return random.vector(-1.2, 1.2); });
     test::move(object, {0.4 * n, 0, 0}, {-0.3, 0.2 * n, 0.3}, 0.7);
     scene.objects.push_back(std::move(object));
   }

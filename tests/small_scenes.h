@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -43,6 +44,22 @@ inline void add_disc(Object& object, const Eigen::Vector3d& position, const Eige
   pose.axis_u.push_back((radius * u).cast<float>());
   pose.axis_v.push_back((radius * v).cast<float>());
   object.cloud.color.push_back(color);
+}
+
+/// Triangles at random: corners within ±0.6 of a middle, and of any colour. `middle()` gives these.
+template <class Middle>
+Object triangles_about(int triangles, float opacity, Random& random, const Middle& middle) {
+  Object object;
+  for (int t = 0; t < triangles; ++t) {
+    const Eigen::Vector3d at = middle();
+    for (int i = 0; i < 3; ++i) {
+      add_disc(object, at + random.vector(-0.6, 0.6), {0, 0, 1}, 0.1, random.vector(0.0, 1.0).cast<float>());
+      object.cloud.opacity.push_back(opacity);
+    }
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    object.triangles.push_back({first, first + 1, first + 2});
+  }
+  return object;
 }
 
 inline Object checkered_sphere(double radius, int points) {

@@ -19,13 +19,14 @@
 #include "splat/io/point_file.h"
 #include "splat/io/texture_file.h"
 #include "splat/srgb.h"
+#include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
-#include "tests/splat_scenes.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
 namespace {
 
+using test::add_point;
 using test::psnr_db;
 using test::put;
 using test::SceneFiles;
@@ -66,24 +67,7 @@ TEST(Texture, Repeats) {
     EXPECT_TRUE(texture.at(edge, edge).allFinite()) << edge;
 }
 
-Scene stage(int width = 64, int height = 48) {
-  Scene scene;
-  scene.film = {width, height, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats = {test::looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 60.0)};
-  scene.camera.look_ats[0].tan_half_fov_y = 0.5 * height / 64.0;
-  scene.camera.near = 0.1;
-  return scene;
-}
-
-void add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
-  if (object.cloud.keys.empty()) object.cloud.keys.emplace_back();
-  SurfelPose& pose = object.cloud.keys[0].pose;
-  pose.position.push_back(position);
-  pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
-  pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
-  object.cloud.color.push_back(color);
-}
+Scene stage(int width = 64, int height = 48) { return test::mesh_stage(width, height, 0.5 * height / 64.0); }
 
 Image sampled(const Scene& scene, int samples, int implementation = -1) {
   SampledOptions options;

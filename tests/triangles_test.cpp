@@ -16,13 +16,15 @@
 #include "abuffer/sampled.h"
 #include "abuffer/simd/mesh_math.h"
 #include "tests/counter.h"
+#include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
-#include "tests/splat_scenes.h"
 
 namespace swept {
 namespace {
 
+using test::add_point;
 using test::psnr_db;
+using test::rectangle;
 
 Rendered rendered(const Scene& scene, int samples, int implementation = -1, int threads = 0) {
   SampledOptions options;
@@ -36,43 +38,8 @@ Rendered rendered(const Scene& scene, int samples, int implementation = -1, int 
   return std::move(*result);
 }
 
-Image reference(const Scene& scene, int samples) {
-  Result<Rendered> result = render_reference(scene, {samples, ReferenceMotion::smooth});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-/// A camera at the origin that looks along z, y down, with a focal length of 64 px.
-Scene stage(int width = 80, int height = 60) {
-  Scene scene;
-  scene.film = {width, height, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats = {test::looking_along_z(0.0, {0, 0, 0}, {0, 0, 1}, 60.0)};
-  scene.camera.look_ats[0].tan_half_fov_y = 0.5 * height / 64.0;
-  scene.camera.near = 0.1;
-  return scene;
-}
-
-std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
-  if (object.cloud.keys.empty()) object.cloud.keys.emplace_back();
-  SurfelPose& pose = object.cloud.keys[0].pose;
-  pose.position.push_back(position);
-  pose.axis_u.emplace_back(0.1f, 0.0f, 0.0f);
-  pose.axis_v.emplace_back(0.0f, 0.1f, 0.0f);
-  object.cloud.color.push_back(color);
-  return static_cast<std::uint32_t>(pose.size() - 1);
-}
-
-/// An upright rectangle about (x, y, z).
-Object rectangle(const Eigen::Vector3d& middle, double half_width, double half_height,
-                 const Eigen::Vector3f& color) {
-  Object object;
-  for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
-    add_point(object, middle + Eigen::Vector3d(x * half_width, y * half_height, 0.0), color);
-  object.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return object;
-}
+/// With a focal length of 64 px.
+Scene stage(int width = 80, int height = 60) { return test::mesh_stage(width, height, 0.5 * height / 64.0); }
 
 /// Triangles at random, of all sizes, some of them through the near plane and behind the eye.
 Object soup(int triangles, unsigned seed, bool transparent) {
@@ -126,7 +93,7 @@ TEST(Triangles, AreTheReference) {
         last.rotate_radians = 0.4;
         if (mirrored) first.scale = last.scale = {-1.0, 1.0, 1.0};
         object.transform.keys = {first, last};
-        const Image truth = reference(scene, 4), image = rendered(scene, 4).image;
+        const Image truth = test::smooth_reference(scene, 4), image = rendered(scene, 4).image;
         EXPECT_GT(psnr_db(image, truth), 110.0) << transparent << two_sided << mirrored;
         for (std::size_t i = 0; i < truth.depth.size(); ++i) {
           if (std::isinf(truth.depth[i]))
@@ -147,14 +114,14 @@ TEST(Triangles, AreTheReferenceWhereNobodyChoseThem) {
     if (seed % 5 == 0)
       for (Eigen::Vector3d& p : scene.objects[0].cloud.keys[0].pose.position)
         p = (p * 4.0).array().round() / 4.0;
-    EXPECT_GT(psnr_db(rendered(scene, 2).image, reference(scene, 2)), 110.0) << seed;
+    EXPECT_GT(psnr_db(rendered(scene, 2).image, test::smooth_reference(scene, 2)), 110.0) << seed;
   }
 }
 
 TEST(Triangles, AreTheReferenceAmongDiscs) {
   Scene scene = stage();
   scene.objects = {soup(60, 3, false), some_discs(4), soup(40, 5, true)};
-  EXPECT_GT(psnr_db(rendered(scene, 4).image, reference(scene, 4)), 110.0);
+  EXPECT_GT(psnr_db(rendered(scene, 4).image, test::smooth_reference(scene, 4)), 110.0);
 }
 
 TEST(Triangles, AreWithinTheErrorAskedFor) {
