@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <map>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -24,26 +23,13 @@
 #include "splat/compare/metrics.h"
 #include "splat/motion/cut.h"
 #include "tools/cpu_seconds.h"
+#include "tools/random_numbers.h"
 
 namespace swept {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-
-class Random {
- public:
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  Vector3d vector(double low, double high) {
-    const double x = (*this)(low, high), y = (*this)(low, high);
-    return {x, y, (*this)(low, high)};
-  }
-
- private:
-  std::mt19937_64 engine_{7};
-};
 
 Scene stage() {
   Scene scene;
@@ -104,7 +90,7 @@ Scene spinning(double longer, bool flying) {
   Scene scene = stage();
   Object object = sphere(1.2, 1500, longer);
   SurfelCloud& cloud = object.cloud;
-  Random random;
+  Random random(7);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vector3d out = cloud.keys[0].pose.position[i];
     cloud.velocity.push_back(flying ? Vector3f((0.8 * out + Vector3d(0.3, 1.0, 0.0)).cast<float>())
@@ -151,7 +137,7 @@ Scene looks(bool transparent) {
   Scene scene = stage();
   Object ball = sphere(1.1, 1500);
   SurfelCloud& cloud = ball.cloud;
-  Random random;
+  Random random(7);
   for (const double frame : {-0.4, 0.2, 0.3, 1.4}) {
     LookKey& key = cloud.looks.emplace_back();
     key.frame = frame;

@@ -26,13 +26,11 @@
 #include "datasets/generators.h"
 #include "splat/compare/metrics.h"
 #include "tools/cpu_seconds.h"
+#include "tools/engine_scenes.h"
 
 namespace swept {
 namespace {
 
-constexpr int film_px = 1024;
-constexpr double distance = 4.0, tan_half_fov = 0.364;
-constexpr double px_per_unit = 0.5 * film_px / tan_half_fov / distance;
 constexpr double way_px = 30.0;
 
 struct Case {
@@ -52,23 +50,18 @@ constexpr Case cases[] = {
 };
 
 Result<Scene> make(const std::string& name, std::size_t points, double share) {
-  Scene scene;
-  scene.film = {film_px, film_px, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  LookAtKey& key = scene.camera.look_ats.emplace_back();
-  key.eye = {0.0, 0.0, distance};
-  key.tan_half_fov_y = tan_half_fov;
+  Scene scene = engine_stage();
   Object object;
   Result<SurfelCloud> cloud = generate("sphere", points, {{"sectors", 24}, {"rings", 12}});
   if (!cloud) return cloud.error();
   object.cloud = *std::move(cloud);
-  const Eigen::Vector3f way(static_cast<float>(way_px / px_per_unit), 0.0f, 0.0f);
+  const Eigen::Vector3f way(static_cast<float>(way_px / engine_px_per_unit), 0.0f, 0.0f);
   object.cloud.velocity.assign(object.cloud.size(), way);
   const bool all = name.starts_with("all");
   const auto every = all ? std::size_t{1} : static_cast<std::size_t>(std::max(1.0, std::round(1.0 / share)));
   // ½ b t (1 − t) to the side, most of it half-way: b/8.
   const double side_px = name == "all-curved" ? 15.0 : 100.0;
-  const Eigen::Vector3f bend(0.0f, static_cast<float>(8.0 * side_px / px_per_unit), 0.0f);
+  const Eigen::Vector3f bend(0.0f, static_cast<float>(8.0 * side_px / engine_px_per_unit), 0.0f);
   const auto of_share = [&](const auto& change) {
     for (std::size_t i = 0; i < object.cloud.size(); i += every) change(i);
   };

@@ -13,22 +13,17 @@
 #include "datasets/generators.h"
 
 namespace swept {
-namespace {
-
-constexpr int film_px = 1024;
-constexpr double distance = 4.0, tan_half_fov = 0.364;
-/// At the distance of the objects.
-constexpr double px_per_unit = 0.5 * film_px / tan_half_fov / distance;
-
-Scene stage() {
+Scene engine_stage() {
   Scene scene;
-  scene.film = {film_px, film_px, 0, 0, 0, 0};
+  scene.film = {engine_film_px, engine_film_px, 0, 0, 0, 0};
   scene.shutter = {0.0, 1.0};
   LookAtKey& key = scene.camera.look_ats.emplace_back();
-  key.eye = {0.0, 0.0, distance};
-  key.tan_half_fov_y = tan_half_fov;
+  key.eye = {0.0, 0.0, engine_distance};
+  key.tan_half_fov_y = engine_tan_half_fov;
   return scene;
 }
+
+namespace {
 
 Object object_of(const std::string& shape, std::size_t points,
                  const std::map<std::string, double>& parameters) {
@@ -40,7 +35,7 @@ Object object_of(const std::string& shape, std::size_t points,
 
 /// In a straight line, by so many pixels in all, through `middle`.
 void move(Object& object, const Eigen::Vector3d& middle, const Eigen::Vector3d& direction, double motion_px) {
-  const Eigen::Vector3d half = direction.normalized() * (0.5 * motion_px / px_per_unit);
+  const Eigen::Vector3d half = direction.normalized() * (0.5 * motion_px / engine_px_per_unit);
   object.transform.keys.resize(2);
   object.transform.keys[0].translate = middle - half;
   object.transform.keys[1].frame = 1.0;
@@ -49,7 +44,7 @@ void move(Object& object, const Eigen::Vector3d& middle, const Eigen::Vector3d& 
 
 /// A single object that moves in a straight line through the middle.
 Scene passing(Object object, const Eigen::Vector3d& direction, double motion_px) {
-  Scene scene = stage();
+  Scene scene = engine_stage();
   move(object, {0, 0, 0}, direction, motion_px);
   scene.objects.push_back(std::move(object));
   return scene;
@@ -65,19 +60,19 @@ Scene knot(std::size_t points, double motion_px) {
 
 /// Its rim moves by so much.
 Scene rotation(std::size_t points, double motion_px) {
-  Scene scene = stage();
+  Scene scene = engine_stage();
   Object object = object_of("knot", points, {});
   object.transform.keys.resize(2);
   object.transform.keys[1].frame = 1.0;
   for (TransformKey& key : object.transform.keys)
     key.rotate_axis = Eigen::Vector3d(0.2, 1.0, 0.4).normalized();
-  object.transform.keys[1].rotate_radians = motion_px / px_per_unit;
+  object.transform.keys[1].rotate_radians = motion_px / engine_px_per_unit;
   scene.objects.push_back(std::move(object));
   return scene;
 }
 
 Scene wall(std::size_t points, double motion_px) {
-  Scene scene = stage();
+  Scene scene = engine_stage();
   Object still = object_of("plane", points / 2, {});
   still.transform.keys.resize(1);
   still.transform.keys[0].translate = {0.0, 0.0, -1.0};
@@ -92,7 +87,7 @@ Scene wall(std::size_t points, double motion_px) {
 }
 
 Scene crossing(std::size_t points, double motion_px) {
-  Scene scene = stage();
+  Scene scene = engine_stage();
   for (const double side : {-1.0, 1.0}) {
     Object object = object_of(
         side < 0.0 ? "sphere" : "knot", points / 2,
@@ -105,13 +100,13 @@ Scene crossing(std::size_t points, double motion_px) {
 
 /// The particles have velocities of their own; the exposure is as long as the fastest needs.
 Scene sparks(std::size_t points, double motion_px) {
-  Scene scene = stage();
+  Scene scene = engine_stage();
   Object object = object_of("sparks", points, {});
   double fastest = 0.0;
   for (const Eigen::Vector3f& v : object.cloud.velocity) fastest = std::max(fastest, double{v.norm()});
   object.transform.keys.resize(1);
   object.transform.keys[0].translate = {0.0, -1.0, 0.0};
-  scene.shutter.close = motion_px / px_per_unit / fastest;
+  scene.shutter.close = motion_px / engine_px_per_unit / fastest;
   scene.objects.push_back(std::move(object));
   return scene;
 }
@@ -145,9 +140,9 @@ Scene random_scene(std::uint32_t seed) {
     return std::exp(between(std::log(low), std::log(high)));
   };
   constexpr const char* shapes[] = {"sphere", "knot", "head", "page", "ribbon", "fan", "plane", "sparks"};
-  Scene scene = stage();
+  Scene scene = engine_stage();
   scene.film.width = scene.film.height = static_cast<int>(spread(192.0, 512.0));
-  const double unit_px = px_per_unit * scene.film.height / film_px;
+  const double unit_px = engine_px_per_unit * scene.film.height / engine_film_px;
   for (int left = 1 + static_cast<int>(bits() % 3); left > 0; --left) {
     Object object =
         object_of(shapes[bits() % std::size(shapes)], static_cast<std::size_t>(spread(3e3, 1e5)), {});

@@ -10,6 +10,13 @@
 
 namespace swept {
 
+/// The stage of the table's scenes: a square film whose eye is so far before the origin.
+[[nodiscard]] Scene engine_stage();
+inline constexpr int engine_film_px = 1024;
+inline constexpr double engine_distance = 4.0, engine_tan_half_fov = 0.364;
+/// At the origin.
+inline constexpr double engine_px_per_unit = 0.5 * engine_film_px / engine_tan_half_fov / engine_distance;
+
 struct EngineScene {
   std::string name;  ///< object, points, motion in px
   Scene scene;

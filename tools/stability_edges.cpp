@@ -9,6 +9,7 @@
 #include "splat/interval/bernstein.h"
 #include "tests/oracle/edge_roots.h"
 #include "tests/oracle/hard_kernels.h"
+#include "tests/oracle/of_roots.h"
 #include "tools/stability_rows.h"
 
 namespace swept::stability {
@@ -18,20 +19,6 @@ using oracle::Digits;
 using oracle::Exact;
 using oracle::Random;
 using oracle::uniform;
-
-/// Π (t − roots) in Bernstein form, its coefficients rounded: those are what is exact.
-Bernstein of_roots(const std::vector<double>& roots, double scale) {
-  Bernstein p;
-  p.c[0] = scale;
-  for (const double root : roots) {
-    Bernstein factor;
-    factor.degree = 1;
-    factor.c[0] = -root;
-    factor.c[1] = 1.0 - root;
-    p = product(p, factor);
-  }
-  return p;
-}
 
 double slope_at(const Bernstein& p, double t) {
   Bernstein slope;

@@ -7,22 +7,9 @@
 namespace swept {
 namespace {
 
-std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
-  if (object.cloud.keys.empty()) object.cloud.keys.resize(1);
-  SurfelPose& pose = object.cloud.keys.front().pose;
-  pose.position.push_back(position);
-  pose.axis_u.emplace_back(0.01f, 0.0f, 0.0f);
-  pose.axis_v.emplace_back(0.0f, 0.01f, 0.0f);
-  object.cloud.color.push_back(color);
-  return static_cast<std::uint32_t>(pose.size() - 1);
-}
-
 /// Nine twisted blades that turn by a quarter before a wall.
 Scene fan(int side_px) {
-  Scene scene;
-  scene.film = {side_px, side_px, 0, 0, 0, 0};
-  scene.shutter = {0.0, 1.0};
-  scene.camera.look_ats.emplace_back();
+  Scene scene = square_stage(side_px);
   Object& blades = scene.objects.emplace_back();
   constexpr int count = 9, steps = 12;
   for (int b = 0; b < count; ++b) {
@@ -49,11 +36,7 @@ Scene fan(int side_px) {
     }
   }
   blades.two_sided = true;
-  TransformKey open, close;
-  close.frame = 1.0;
-  open.rotate_axis = close.rotate_axis = Eigen::Vector3d(0.2, 0.1, 1.0).normalized();
-  close.rotate_radians = 0.5 * M_PI;
-  blades.transform.keys = {open, close};
+  turn(blades, 90.0, {0.2, 0.1, 1.0});
   Object& wall = scene.objects.emplace_back();
   for (const auto& [x, y] : {std::pair{-3.0, -3.0}, {3.0, -3.0}, {3.0, 3.0}, {-3.0, 3.0}})
     add_point(wall, {x, y, -1.0}, {0.8f, 0.8f, 0.7f});

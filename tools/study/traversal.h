@@ -52,6 +52,14 @@ struct TraversalRow {
 [[nodiscard]] TraversalScene traversal_scene(const std::string& title, const std::string& path,
                                              int longest_side_px);
 
+/// What made-up scenes are of: a film whose eye looks along −z from z = 5, with the shutter open from frame 0
+/// to 1.
+[[nodiscard]] Scene square_stage(int side_px);
+/// A corner of triangles. Returns its index.
+std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color);
+/// Over the exposure, about an axis through the object's origin.
+void turn(Object& object, double degrees, const Eigen::Vector3d& axis);
+
 /// Which of the paper's findings hold, in two sentences. Of rows without errors, at least one.
 [[nodiscard]] std::vector<std::string> traversal_findings(const std::vector<TraversalRow>& rows);
 

@@ -2,41 +2,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <random>
 
 #include <fmt/core.h>
 
 #include "datasets/generators.h"
 #include "splat/io/atomic_file.h"
 #include "splat/io/scene_file.h"
+#include "tools/random_numbers.h"
 #include "tools/study/traversal.h"
 
 namespace swept {
-namespace {
 
-/// The eye looks along −z from z = 5; the shutter is open from frame 0 to 1.
-Scene stage(int side_px) {
+Scene square_stage(int side_px) {
   Scene scene;
   scene.film = {side_px, side_px, 0, 0, 0, 0};
   scene.shutter = {0.0, 1.0};
   scene.camera.look_ats.emplace_back();
   return scene;
 }
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  Eigen::Vector3d vector(double most) {
-    const double x = (*this)(-most, most), y = (*this)(-most, most);
-    return {x, y, (*this)(-most, most)};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 std::uint32_t add_point(Object& object, const Eigen::Vector3d& position, const Eigen::Vector3f& color) {
   if (object.cloud.keys.empty()) object.cloud.keys.resize(1);
@@ -56,9 +39,11 @@ void turn(Object& object, double degrees, const Eigen::Vector3d& axis) {
   object.transform.keys = {open, close};
 }
 
+namespace {
+
 /// A ball of 6,144 triangles that turns by a third.
 Scene rotation(int side_px) {
-  Scene scene = stage(side_px);
+  Scene scene = square_stage(side_px);
   Object& object = scene.objects.emplace_back();
   constexpr std::uint32_t rows = 48, columns = 64;
   for (std::uint32_t i = 0; i <= rows; ++i)
@@ -81,17 +66,17 @@ Scene rotation(int side_px) {
 
 /// 20,000 triangles of about a pixel on curves of their own.
 Scene small_triangles(int side_px) {
-  Scene scene = stage(side_px);
+  Scene scene = square_stage(side_px);
   Object& object = scene.objects.emplace_back();
   Random random(7);
   for (int t = 0; t < 20000; ++t) {
-    const Eigen::Vector3d middle = random.vector(1.4);
-    const Eigen::Vector3f color = (0.5 * (random.vector(1.0) + Eigen::Vector3d::Ones())).cast<float>(),
-                          velocity = random.vector(0.4).cast<float>(),
-                          acceleration = random.vector(0.8).cast<float>();
+    const Eigen::Vector3d middle = random.vector(-1.4, 1.4);
+    const Eigen::Vector3f color = (0.5 * (random.vector(-1.0, 1.0) + Eigen::Vector3d::Ones())).cast<float>(),
+                          velocity = random.vector(-0.4, 0.4).cast<float>(),
+                          acceleration = random.vector(-0.8, 0.8).cast<float>();
     std::uint32_t first = 0;
     for (int i = 0; i < 3; ++i) {
-      first = add_point(object, middle + random.vector(0.02), color);
+      first = add_point(object, middle + random.vector(-0.02, 0.02), color);
       object.cloud.velocity.push_back(velocity);
       object.cloud.acceleration.push_back(acceleration);
     }
@@ -102,15 +87,15 @@ Scene small_triangles(int side_px) {
 
 /// 160 triangles as large as walls, that turn as they do for a camera that pans.
 Scene large_triangles(int side_px) {
-  Scene scene = stage(side_px);
+  Scene scene = square_stage(side_px);
   Object& object = scene.objects.emplace_back();
   Random random(9);
   for (int t = 0; t < 160; ++t) {
-    const Eigen::Vector3d middle = random.vector(2.5);
+    const Eigen::Vector3d middle = random.vector(-2.5, 2.5);
     std::uint32_t first = 0;
     for (int i = 0; i < 3; ++i)
-      first = add_point(object, middle + random.vector(1.0),
-                        (0.5 * (random.vector(1.0) + Eigen::Vector3d::Ones())).cast<float>());
+      first = add_point(object, middle + random.vector(-1.0, 1.0),
+                        (0.5 * (random.vector(-1.0, 1.0) + Eigen::Vector3d::Ones())).cast<float>());
     object.triangles.push_back({first - 2, first - 1, first});
   }
   turn(object, 20.0, {0.0, 1.0, 0.0});
