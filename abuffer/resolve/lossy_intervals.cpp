@@ -79,7 +79,6 @@ void LossyIntervals::merge_to_most(const std::vector<TriangleStretch>& triangles
     merged.end = std::max(merged.end, held_[lost].end);
     merged.nearest = std::min(merged.nearest, held_[lost].nearest);
     merged.farthest = std::max(merged.farthest, held_[lost].farthest);
-    error += std::isfinite(least) ? least : 0.0;
     held_[std::min(kept, lost)] = merged;
     held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(std::max(kept, lost)));
   }

@@ -27,9 +27,6 @@ class LossyIntervals {
   [[nodiscard]] std::size_t finish(std::span<PlaceInterval> intervals,
                                    const std::vector<TriangleStretch>& triangles);
 
-  /// How long all was shown as something else, or not, by its own estimate: shutter time, summed over places.
-  double error = 0.0;
-
  private:
   void merge_to_most(const std::vector<TriangleStretch>& triangles);
 

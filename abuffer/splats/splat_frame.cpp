@@ -101,6 +101,7 @@ class SplatFrame {
   void plan();
   void begin_cells();
   void begin_behind_lens();
+  void allow(double mean_square);
   void forecast(const SplatRow& standing);
   void count_without_forecast(const SplatRow& standing);
   void count_what_fades();
@@ -167,9 +168,14 @@ void SplatFrame::begin_cells() {
   }
   // What stands still has no error, so that what moves may have more.
   const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-  allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px);
-  if (options_.max_cell_error_db > 0.0)
-    allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
+  allow(std::pow(10.0, -0.1 * options_.max_error_db) * film_px / std::max(1.0, moving_px));
+}
+
+/// In a cell, or what cells may have at most where that is less.
+void SplatFrame::allow(double mean_square) {
+  allowed_mean_square_ = options_.max_cell_error_db > 0.0
+                             ? std::min(mean_square, std::pow(10.0, -0.1 * options_.max_cell_error_db))
+                             : mean_square;
 }
 
 /// Everything may be anywhere: each cell begins with a few looks, and doubles them.
@@ -201,9 +207,7 @@ void SplatFrame::begin_behind_lens() {
     work.count = count;
     cells_.push_back(std::move(work));
   }
-  allowed_mean_square_ = std::pow(10.0, -0.1 * options_.max_error_db);
-  if (options_.max_cell_error_db > 0.0)
-    allowed_mean_square_ = std::min(allowed_mean_square_, std::pow(10.0, -0.1 * options_.max_cell_error_db));
+  allow(std::pow(10.0, -0.1 * options_.max_error_db));
 }
 
 /// How many instants cells take by what a still shows, and that still as one of them.

@@ -13,29 +13,30 @@ namespace {
   throw Error{file, std::string("/camera/") + field, reason, ErrorKind::argument};
 }
 
-LookAtKey between(const LookAtKey& a, const LookAtKey& b, double frame) {
-  const double t = (frame - a.frame) / (b.frame - a.frame);
-  LookAtKey key = a;
-  key.frame = frame;
+/// All but the way it looks, and the focus, which is told.
+template <class Key>
+Key between_but_for_view(const Key& a, const Key& b, double t) {
+  Key key = a;
   key.eye += t * (b.eye - a.eye);
-  key.target += t * (b.target - a.target);
-  key.up += t * (b.up - a.up);
-  key.roll_radians += t * (b.roll_radians - a.roll_radians);
   key.tan_half_fov_y += t * (b.tan_half_fov_y - a.tan_half_fov_y);
   key.lens.stretch_x += t * (b.lens.stretch_x - a.lens.stretch_x);
   key.lens.shift += t * (b.lens.shift - a.lens.shift);
   return key;
 }
 
+LookAtKey between(const LookAtKey& a, const LookAtKey& b, double frame) {
+  const double t = (frame - a.frame) / (b.frame - a.frame);
+  LookAtKey key = between_but_for_view(a, b, t);
+  key.target += t * (b.target - a.target);
+  key.up += t * (b.up - a.up);
+  key.roll_radians += t * (b.roll_radians - a.roll_radians);
+  return key;
+}
+
 CameraKey between(const CameraKey& a, const CameraKey& b, double frame) {
   const double t = (frame - a.frame) / (b.frame - a.frame);
-  CameraKey key = a;
-  key.frame = frame;
-  key.eye += t * (b.eye - a.eye);
+  CameraKey key = between_but_for_view(a, b, t);
   key.world_from_camera = a.world_from_camera.slerp(t, b.world_from_camera).normalized();
-  key.tan_half_fov_y += t * (b.tan_half_fov_y - a.tan_half_fov_y);
-  key.lens.stretch_x += t * (b.lens.stretch_x - a.lens.stretch_x);
-  key.lens.shift += t * (b.lens.shift - a.lens.shift);
   return key;
 }
 
