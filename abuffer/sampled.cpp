@@ -17,6 +17,7 @@
 #include "abuffer/resolve/sampled_cell.h"
 #include "abuffer/simd/sampled_math.h"
 #include "abuffer/sources/instant_table.h"
+#include "abuffer/sources/packet_blur.h"
 #include "abuffer/sources/point_packets.h"
 #include "abuffer/splats/splat_frame.h"
 #include "abuffer/splats/splat_packets.h"
@@ -73,7 +74,7 @@ class Renderer {
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     bins_ = &bins;
-    if (lens_.any()) measure_blur(objects);
+    if (lens_.any()) blur_.emplace(scene_, exposure_, objects);
     plan();
 
     const SampledMaths maths = sampled_maths();
@@ -120,7 +121,7 @@ class Renderer {
       const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
       if (lens_.any() ? !packets.empty() : motion > 0.0f) {
         int looks = first_instants(motion, options_.max_error_db);
-        if (lens_.any() && !lens_.given()) looks = first_looks(blur_px(packets), looks);
+        if (lens_.any() && !lens_.given()) looks = first_looks(blur_->of(packets), looks);
         moving_px += px;
         allowed_squares_[c] = error_share(px, packets.size(), looks);
         shares += allowed_squares_[c];
@@ -254,7 +255,7 @@ class Renderer {
       instants = (wanted + points - 1) / points;
       cell.count = points * instants;
     } else {
-      cell.count = packets.empty() ? 1 : first_looks(blur_px(packets), instants);
+      cell.count = packets.empty() ? 1 : first_looks(blur_->of(packets), instants);
     }
     const bool estimated = !lens_.given() && cell.count > 1;
     for (int k = 0; k < cell.count; ++k) {
@@ -265,32 +266,6 @@ class Renderer {
     }
     cell.instants = cell.count;
     if (estimated) cell.estimate.emplace(renderer.squares(), cell.count, ErrorEstimate::of_lens);
-  }
-
-  /// The circle of confusion that stands for all of a cell's, in the middle of the exposure.
-  [[nodiscard]] double blur_px(std::span<const PacketRef> packets) const {
-    double squares = 0.0, count = 0.0;
-    for (const PacketRef packet : packets) {
-      const double px = double{blur_px_[packet.object][packet.packet]};
-      squares += px * px;
-      count += 1.0;
-    }
-    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
-  }
-
-  /// Of every packet.
-  void measure_blur(const std::vector<PointPackets>& objects) {
-    const double frame = exposure_.middle();
-    const double most = scene_.film.width + scene_.film.height;
-    for (const PointPackets& object : objects) {
-      std::vector<float>& of_packets = blur_px_.emplace_back(object.count);
-      const ObjectInstant at(scene_, object, frame);
-      for (std::size_t p = 0; p < object.count; ++p) {
-        const double z = std::max(at.center(object, p).z(), scene_.camera.near);
-        of_packets[p] =
-            static_cast<float>(std::min(most, 2.0 * at.lens_px * std::abs(1.0 / z - at.per_focus)));
-      }
-    }
   }
 
   /// As many looks again.
@@ -470,8 +445,7 @@ class Renderer {
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
   LensLooks lens_;
-  std::vector<std::vector<float>>
-      blur_px_;  ///< circles of confusion, by object and packet; where there is a lens
+  std::optional<PacketBlur> blur_;  ///< where there is a lens
   std::vector<std::size_t> window_cells_;
   std::vector<double> allowed_squares_;  ///< by cell of the film, Σ over pixels and R, G, B; 0: nothing moves
   std::vector<CellProgress> progress_;
