@@ -91,12 +91,8 @@ void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
   std::vector<Hit> hits[pixel_places];
   std::size_t most = 0;
   for (int k = 0; k < pixel_places; ++k) {
-    const double ray_x =
-        (x + 0.5 + double{places_in_pixel.x[k]} - projection_.center_x) / projection_.focal_px;
-    const double ray_y =
-        (y + 0.5 + double{places_in_pixel.y[k]} - projection_.center_y) / projection_.focal_px;
-    const Ray ray = projection_.orthographic ? Ray{{ray_x, ray_y, 0.0}, Eigen::Vector3d::UnitZ()}
-                                             : Ray{Eigen::Vector3d::Zero(), {ray_x, ray_y, 1.0}};
+    const Ray ray =
+        ray_at(projection_, x + 0.5 + double{places_in_pixel.x[k]}, y + 0.5 + double{places_in_pixel.y[k]});
     for (const std::uint32_t t : of_row_[static_cast<std::size_t>(y - first_row_)]) {
       const Corners& corners = triangles_[t];
       if (x < corners.box.x_begin || x >= corners.box.x_end) continue;

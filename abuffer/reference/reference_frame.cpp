@@ -90,9 +90,9 @@ Surface blend(std::span<const Fragment> fragments, const ImageModel& model) {
 
 }  // namespace
 
-Ray ray_through(const Projection& projection, int x, int y) {
-  const Eigen::Vector2d on_film((x + 0.5 - projection.center_x) / projection.focal_px,
-                                (y + 0.5 - projection.center_y) / projection.focal_px);
+Ray ray_at(const Projection& projection, double film_x, double film_y) {
+  const Eigen::Vector2d on_film((film_x - projection.center_x) / projection.focal_px,
+                                (film_y - projection.center_y) / projection.focal_px);
   if (projection.orthographic) return {{on_film.x(), on_film.y(), 0.0}, Eigen::Vector3d::UnitZ()};
   return {Eigen::Vector3d::Zero(), {on_film.x(), on_film.y(), 1.0}};
 }

@@ -60,8 +60,12 @@ struct PixelSum {
 struct Ray {
   Eigen::Vector3d from, direction;
 };
+/// The one through a place of the film, in pixels from its corner.
+[[nodiscard]] Ray ray_at(const Projection& projection, double film_x, double film_y);
 /// The one through the centre of pixel (x, y).
-[[nodiscard]] Ray ray_through(const Projection& projection, int x, int y);
+[[nodiscard]] inline Ray ray_through(const Projection& projection, int x, int y) {
+  return ray_at(projection, x + 0.5, y + 0.5);
+}
 
 /// The kernel at shutter time `tau`, its box within `window`; the box is empty if the kernel does not exist
 /// at that time, has no area, or is nearer than `near` throughout.

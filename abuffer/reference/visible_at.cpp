@@ -76,12 +76,8 @@ class InstantFilm {
         const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(visible_.width) +
                                   static_cast<std::size_t>(x);
         for (std::size_t k = 0; k < pixel_places; ++k) {
-          const double ray_x = (film.crop_x + x + 0.5 + double{places_in_pixel.x[k]} - projection_.center_x) /
-                               projection_.focal_px;
-          const double ray_y = (film.crop_y + y + 0.5 + double{places_in_pixel.y[k]} - projection_.center_y) /
-                               projection_.focal_px;
-          const Ray ray = projection_.orthographic ? Ray{{ray_x, ray_y, 0.0}, Eigen::Vector3d::UnitZ()}
-                                                   : Ray{Eigen::Vector3d::Zero(), {ray_x, ray_y, 1.0}};
+          const Ray ray = ray_at(projection_, film.crop_x + x + 0.5 + double{places_in_pixel.x[k]},
+                                 film.crop_y + y + 0.5 + double{places_in_pixel.y[k]});
           const std::optional<RayHit> hit = meet_triangle(p, ray, near);
           double& nearest = depth_[pixel * pixel_places + k];
           if (!hit || !(hit->depth < nearest)) continue;
