@@ -258,6 +258,23 @@ TEST(Cut, ADiscThatTurnsWithinItsPlaneTakesNoMoreSegments) {
   EXPECT_GT(build_kernels(ellipses).kernels.size(), 2 * large.kernels.size());
 }
 
+TEST(Cut, ParallelRaysCutADiscAlikeWhereverItIs) {
+  const auto segments_at = [](double x) {
+    Scene scene = test::stage();
+    scene.camera.orthographic = true;
+    scene.camera.look_ats[0].tan_half_fov_y = 4.0;
+    scene.motion.tolerance_px = 0.01;
+    Object object;
+    test::add_disc(object, {x, 0.0, 0.0}, Vector3d(0.0, 0.6, 0.8), 0.4);
+    object.cloud.keys[0].pose.axis_v[0] *= 0.3f;
+    object.cloud.angular_velocity.push_back(Vector3f(2.0f, 0.5f, 0.0f));
+    scene.objects = {object};
+    return build_kernels(scene).kernels.size();
+  };
+  EXPECT_GT(segments_at(0.0), 4u);
+  EXPECT_EQ(segments_at(4.0), segments_at(0.0));
+}
+
 TEST(Cut, StraightPointsAreOneSegmentBesideCurvedOnes) {
   Scene scene = test::stage();
   scene.film = {512, 512, 0, 0, 0, 0};

@@ -134,7 +134,9 @@ bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& la
 bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
   const double scale = visible_scale(middle.center);
   if (!(scale > 0.0)) return true;
-  const double x = middle.center.x() / middle.center.z(), y = middle.center.y() / middle.center.z();
+  // Parallel rays go along the view, wherever the disc is.
+  const double x = projection_.orthographic ? 0.0 : middle.center.x() / middle.center.z();
+  const double y = projection_.orthographic ? 0.0 : middle.center.y() / middle.center.z();
   return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, x, y, scale) >
            rims_per_path * tolerance_px_);
 }
