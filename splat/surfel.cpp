@@ -1,5 +1,4 @@
 #include "splat/surfel.h"
-#include "splat/without_throwing.h"
 
 #include <algorithm>
 #include <cassert>
@@ -9,8 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/motion/path.h"
-
-#include <Eigen/Geometry>
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
