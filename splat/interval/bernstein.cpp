@@ -67,7 +67,7 @@ double only_root(const Bernstein& p, int first) {
   const std::size_t n = size_of(p);
   const auto& binomial = binomials[n - 1];
   const auto& of_slope = binomials[n - 2];
-  double weighted[most_bernstein_degree + 1], slope[most_bernstein_degree + 1];
+  double weighted[most_bernstein_degree + 1] = {}, slope[most_bernstein_degree + 1] = {};
   for (std::size_t k = 0; k < n; ++k) weighted[k] = binomial[k] * p.c[k];
   for (std::size_t k = 0; k + 1 < n; ++k) slope[k] = of_slope[k] * (p.degree * (p.c[k + 1] - p.c[k]));
   const auto at = [](const double* c, std::size_t last, double t) {
