@@ -103,7 +103,8 @@ TEST(VisibilityAccuracy, RefusesByNameWhatItDoesNotMeasure) {
   Scene scene = swarm(3, 1);
   EXPECT_FALSE(visible_by_intervals(scene, {0.5, 0.4}).ok());
   EXPECT_FALSE(visible_at_instants(scene, {1.0}).ok());
-  scene.objects.emplace_back().cloud = scene.objects[0].cloud;
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects.back().triangles.clear();
   const Result<VisibleTriangles> discs = visible_at_instants(scene, {0.5});
   ASSERT_FALSE(discs.ok());
   EXPECT_EQ(discs.error().field, "/objects/1");
