@@ -20,7 +20,7 @@ from ._errors import ArgumentError, Error, MalformedError, NotFoundError, OutOfM
 from ._swept import __version__
 
 __all__ = [
-    "ArgumentError", "Camera", "Error", "MalformedError", "NotFoundError", "OutOfMemoryError", "Scene", "Statistics",
+    "ArgumentError", "Camera", "Error", "Look", "MalformedError", "NotFoundError", "OutOfMemoryError", "Scene", "Statistics",
     "load", "psnr", "read_exr", "read_splats", "render", "write_exr", "write_png", "__version__",
 ]
 
@@ -39,6 +39,16 @@ class Camera:
     matrix: object = None
     opencv: bool = False
     height: float = 0.0
+
+
+@dataclass
+class Look:
+    """What points look like at a frame: colours (n, 3), linear, and opacities (n,); None is white, and opaque. Between
+    two looks light and opacity change evenly; before the first and after the last they stay."""
+
+    frame: float
+    colors: object = None
+    opacities: object = None
 
 
 @dataclass
@@ -94,7 +104,7 @@ class Scene:
         self._placed = True
 
     def add_points(self, positions, velocities=None, colors=None, *, normals=None, radii=None, axes_u=None,
-                   axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, name=""):
+                   axes_v=None, opacities=None, looks=None, velocity_unit="per_frame", two_sided=True, oriented=None, name=""):
         """Adds discs: (n, 3) arrays, and (n,) for radii and opacities; one radius is that of all.
 
         Looked into without a copy: positions as float64, and as float32 axes, velocities per frame, colours (linear)
@@ -102,12 +112,15 @@ class Scene:
         `normals` and `radii` do; of those, what is missing is estimated from the neighbours. `oriented`: axes_u ×
         axes_v, or the normal, is known to point outside, so that front and back are two surfaces; so it is for
         normals that are given, if nothing is said.
+
+        `looks`, in place of colours and opacities, is for what changes during the exposure: a Look, or a dictionary of
+        its members, for each frame at which they are known. Their arrays are looked into likewise.
         """
         self._scene.add_points({
             "positions": positions, "velocities": velocities, "colors": colors, "normals": normals, "radii": radii,
             "axes_u": axes_u, "axes_v": axes_v, "opacities": opacities, "velocity_unit": _unit(velocity_unit),
             "fps": self._fps, "frame": self._frame, "name": name, "two_sided": two_sided,
-            "oriented": oriented,
+            "oriented": oriented, "looks": _looks(looks),
         })
 
     def add_splats(self, positions, scales, rotations, opacities, harmonics, degree=0, *, velocities=None,
@@ -155,7 +168,8 @@ class Scene:
 
 def render(positions=None, velocities=None, colors=None, camera=None, *, scene=None, size=(1024, 576),
            shutter=(-0.25, 0.25), frame=None, fps=24.0, background=(0, 0, 0, 0), fields=None, normals=None, radii=None,
-           axes_u=None, axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, **how):
+           axes_u=None, axes_v=None, opacities=None, looks=None, velocity_unit="per_frame", two_sided=True,
+           oriented=None, **how):
     """Renders points, or `scene`: a Scene, or the path of a scene, of points or of splats. Returns an image and its
     Statistics. Without a camera, one is found that sees all points. `how`: max_error_db, method and the other options
     of Scene.render(); the rest is as in Scene and Scene.add_points()."""
@@ -167,7 +181,8 @@ def render(positions=None, velocities=None, colors=None, camera=None, *, scene=N
         return scene.render(frame, **how)
     made = Scene(size, shutter, frame or 0.0, fps, background, camera, fields)
     made.add_points(positions, velocities, colors, normals=normals, radii=radii, axes_u=axes_u, axes_v=axes_v,
-                    opacities=opacities, velocity_unit=velocity_unit, two_sided=two_sided, oriented=oriented)
+                    opacities=opacities, looks=looks, velocity_unit=velocity_unit, two_sided=two_sided,
+                    oriented=oriented)
     return made.render(frame, **how)
 
 
@@ -207,6 +222,17 @@ def psnr(image, other):
 
 def _numbers(value):
     return [float(number) for number in _np.atleast_1d(_np.asarray(value, dtype=_np.float64))]
+
+
+def _looks(looks):
+    if looks is None:
+        return None
+    looks = [looks] if isinstance(looks, (Look, dict)) else list(looks)
+    looks = [Look(**look) if isinstance(look, dict) else look for look in looks]
+    for i, look in enumerate(looks):
+        if not isinstance(look, Look):
+            raise ArgumentError("must be a Look, or a dictionary of its members", field=f"looks[{i}]")
+    return [{"frame": float(look.frame), "colors": look.colors, "opacities": look.opacities} for look in looks]
 
 
 def _unit(name):
