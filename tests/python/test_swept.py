@@ -98,6 +98,31 @@ class Arrays(unittest.TestCase):
         fading, _ = swept.render(**given, looks=[swept.Look(-0.25), swept.Look(0.25, opacities=0 * opacities)], **SMALL)
         self.assertLess(float(fading[32, 48, 3]), 0.9)
 
+    def test_whole_numbers_of_eight_and_sixteen_bits_are_srgb(self):
+        given = arrays()
+        given["colors"] = np.tile(np.array([255, 128, 0], dtype=np.uint8), (2000, 1))
+        image, _ = swept.render(**given, **SMALL)
+        np.testing.assert_allclose(image[32, 48, :3], [1, 0.2158605, 0], atol=1e-4)
+        given["colors"] = given["colors"].astype(np.uint16) * 257
+        again, _ = swept.render(**given, **SMALL)
+        np.testing.assert_allclose(again, image, atol=1e-6)
+        del given["colors"], given["opacities"]
+        looks = [swept.Look(0, np.full((2000, 3), 128, dtype=np.uint8))]
+        image, _ = swept.render(**given, looks=looks, **SMALL)
+        np.testing.assert_allclose(image[32, 48, :3], 0.2158605, atol=1e-4)
+
+    def test_nothing_is_left_out_without_a_word(self):
+        scene = swept.Scene(**SMALL)
+        scene.add_points(sphere(50))
+        for name, value in (("size", (64, 36)), ("shutter", (0, 1)), ("colors", sphere(50)), ("camera", swept.Camera()),
+                            ("radii", 0.1), ("two_sided", False), ("fields", {"/film/width": 32})):
+            with self.assertRaises(swept.ArgumentError) as raised:
+                swept.render(scene=scene, **{name: value})
+            self.assertEqual(raised.exception.field, name)
+        for wrong in ({"size": (64, 36, 3)}, {"shutter": (0, 1, 2)}, {"size": 64}):
+            with self.assertRaises((ValueError, TypeError)):
+                swept.Scene(**wrong)
+
     def test_looks_that_are_wrong_are_named(self):
         given = arrays()
         colors, opacities = given.pop("colors"), given.pop("opacities")
