@@ -12,14 +12,14 @@
 namespace swept {
 namespace {
 
-Error lacks(const char* array, const char* reason) { return Error{"", array, reason}; }
+Error lacks(const std::string& array, const char* reason) { return Error{"", array, reason}; }
 
 Error at(const char* array, std::size_t i, const char* reason) {
   return Error{"", std::string(array) + "[" + std::to_string(i) + "]", reason};
 }
 
 template <class T>
-Status check_count(const char* name, const Strided<T>& array, std::size_t expected) {
+Status check_count(const std::string& name, const Strided<T>& array, std::size_t expected) {
   if (array.count > 0 && array.data == nullptr) return lacks(name, "has entries, and is nowhere");
   if (array.empty() || array.count == expected) return Done{};
   return Error{"", name,
@@ -118,6 +118,24 @@ Status add_axes(const SurfelArrays& arrays, SurfelPose& pose) {
   return Done{};
 }
 
+Status add_looks(const SurfelArrays& arrays, SurfelCloud& cloud) {
+  const std::size_t points = cloud.size();
+  if (!arrays.looks.empty() && !arrays.color.empty()) return lacks("color", "is given, and looks too");
+  if (!arrays.looks.empty() && !arrays.opacity.empty()) return lacks("opacity", "is given, and looks too");
+  if (Status status = check_count("color", arrays.color, points); !status) return status;
+  if (Status status = check_count("opacity", arrays.opacity, points); !status) return status;
+  cloud.color = column_of(arrays.color);
+  cloud.opacity = column_of(arrays.opacity);
+  for (std::size_t k = 0; k < arrays.looks.size(); ++k) {
+    const LookArrays& look = arrays.looks[k];
+    const std::string name = "looks[" + std::to_string(k) + "].";
+    if (Status status = check_count(name + "color", look.color, points); !status) return status;
+    if (Status status = check_count(name + "opacity", look.opacity, points); !status) return status;
+    cloud.looks.push_back({look.frame, column_of(look.color), column_of(look.opacity)});
+  }
+  return Done{};
+}
+
 Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
   Result<PointArray<Eigen::Vector3d>> positions = positions_of(arrays);
   if (!positions) return positions.error();
@@ -130,10 +148,7 @@ Result<SurfelCloud> cloud_of(const SurfelArrays& arrays) {
   Result<PointArray<Eigen::Vector3f>> velocities = velocities_of(arrays, points);
   if (!velocities) return velocities.error();
   cloud.velocity = *std::move(velocities);
-  if (Status status = check_count("color", arrays.color, points); !status) return status.error();
-  if (Status status = check_count("opacity", arrays.opacity, points); !status) return status.error();
-  cloud.color = column_of(arrays.color);
-  cloud.opacity = column_of(arrays.opacity);
+  if (Status status = add_looks(arrays, cloud); !status) return status.error();
   if (arrays.oriented) cloud.oriented.assign(points, 1);
   if (Status status = cloud.validate(); !status) return status.error();
   return cloud;

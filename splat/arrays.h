@@ -1,6 +1,8 @@
 // Clouds from a caller's own arrays: nothing is copied that lies in memory as the renderers read it.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "splat/export.h"
@@ -10,6 +12,13 @@
 #include "splat/surfel.h"
 
 namespace SWEPT_API swept {
+
+/// Colours and opacities of discs at one time, for what looks different at another: LookKey.
+struct LookArrays {
+  double frame = 0.0;
+  Strided<Eigen::Vector3f> color;  ///< viewed; none: white
+  Strided<float> opacity;          ///< viewed; none: 1
+};
 
 /// Discs as someone else keeps them. Arrays that are empty are not given; the others have an entry per point.
 ///
@@ -28,6 +37,8 @@ struct SurfelArrays {
   double frame = 0.0;              ///< when points are at `position`
   Strided<Eigen::Vector3f> color;  ///< viewed; linear Rec.709; none: white
   Strided<float> opacity;          ///< viewed; [0, 1]; none: 1
+  /// In place of `color` and `opacity`, for points that change during the exposure: SurfelCloud::looks.
+  std::vector<LookArrays> looks;
   /// a₁ × a₂, or the normal, is known to point outside: SurfelCloud::oriented of all.
   bool oriented = false;
 };

@@ -143,6 +143,65 @@ TEST(Arrays, OfSinglePrecisionNormalsAndRadii) {
   EXPECT_NEAR(pose.axis_u[1].cross(pose.axis_v[1]).normalized().dot(normals[1].normalized()), 1.0f, 1e-6f);
 }
 
+TEST(Arrays, OfLooksAreLookedIntoAndChangeDuringTheExposure) {
+  const std::vector<Point> table = points();
+  std::vector<Point> later = table;
+  for (Point& point : later) {
+    point.color = Vector3f::Ones() - point.color;
+    point.opacity *= 0.25f;
+  }
+  SurfelArrays arrays = arrays_of(table);
+  arrays.color = {};
+  arrays.opacity = {};
+  arrays.looks = {{-0.25, member(table, &Point::color), member(table, &Point::opacity)},
+                  {0.25, member(later, &Point::color), member(later, &Point::opacity)}};
+  const Result<SurfelCloud> cloud = cloud_from_arrays(arrays);
+  ASSERT_TRUE(cloud) << cloud.error().message();
+  ASSERT_EQ(cloud->looks.size(), 2u);
+  EXPECT_TRUE(cloud->looks[1].color.is_view());
+  EXPECT_TRUE(cloud->looks[1].opacity.is_view());
+  EXPECT_EQ(&std::as_const(cloud->looks[1].color)[7], &later[7].color);
+
+  SurfelCloud same = copied(table);
+  for (const LookKey& look : cloud->looks) {
+    same.looks.push_back(look);
+    same.looks.back().color.own();
+    same.looks.back().opacity.own();
+  }
+  same.color.clear();
+  same.opacity.clear();
+  const Image image = image_of(*cloud);
+  EXPECT_EQ(image.rgba, image_of(same).rgba);
+  EXPECT_NE(image.rgba, image_of(copied(table)).rgba);
+  // One of the two alone is another picture: what is not given is white, or opaque.
+  arrays.looks[0].color = arrays.looks[1].color = {};
+  EXPECT_NE(image_of(*cloud_from_arrays(arrays)).rgba, image.rgba);
+}
+
+TEST(Arrays, OfLooksThatAreWrongAreNamed) {
+  const std::vector<Point> table = points();
+  SurfelArrays good = arrays_of(table);
+  good.color = {};
+  good.opacity = {};
+  good.looks = {{0.0, member(table, &Point::color), {}}, {1.0, {}, member(table, &Point::opacity)}};
+  ASSERT_TRUE(cloud_from_arrays(good));
+  const auto field_of = [&](const auto& spoil) {
+    SurfelArrays arrays = good;
+    spoil(arrays);
+    const Result<SurfelCloud> cloud = cloud_from_arrays(arrays);
+    return cloud ? std::string() : cloud.error().field;
+  };
+  EXPECT_EQ(field_of([&](SurfelArrays& a) { a.color = member(table, &Point::color); }), "color");
+  EXPECT_EQ(field_of([&](SurfelArrays& a) { a.opacity = member(table, &Point::opacity); }), "opacity");
+  EXPECT_EQ(field_of([](SurfelArrays& a) { a.looks[0].color.count = 49; }), "looks[0].color");
+  EXPECT_EQ(field_of([](SurfelArrays& a) { a.looks[1].opacity.data = nullptr; }), "looks[1].opacity");
+  EXPECT_EQ(field_of([](SurfelArrays& a) { a.looks[1].frame = 0.0; }), "looks[1].frame");
+  std::vector<Point> spoilt = table;
+  spoilt[5].color.y() = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(field_of([&](SurfelArrays& a) { a.looks[0].color = member(spoilt, &Point::color); }),
+            "looks[0].color[5]");
+}
+
 TEST(Arrays, OfVelocitiesPerSecond) {
   const std::vector<Point> table = points();
   SurfelArrays arrays = arrays_of(table);

@@ -1,4 +1,4 @@
-// Points of other programs drawn with the cameras of other programs, and the README's commands.
+// Points of other programs drawn with the cameras of other programs, and the guides' commands.
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -104,8 +104,8 @@ std::string nerfstudio_cameras() {
          frames + "]}";
 }
 
-/// What is said in the README to work in one command does, on small files of the same kinds.
-TEST_F(CloudCamera, TheCommandsOfTheReadmeDraw) {
+/// What the guides say to work in one command does, on small files of the same kinds.
+TEST_F(CloudCamera, TheCommandsOfTheGuidesDraw) {
   put(folder_ / "blender.ply", blender_ply());
   for (int i = 1; i <= 4; ++i)
     put(folder_ / ("particles.000" + std::to_string(i) + ".ply"),
@@ -127,9 +127,12 @@ TEST_F(CloudCamera, TheCommandsOfTheReadmeDraw) {
               ',' + std::to_string(i % 200) + '\n';
   put(folder_ / "survey.txt", survey);
 
-  std::istringstream readme(test::content_of(SWEPT_README));
+  std::string pages;
+  for (const char* name : {"/film.md", "/splats.md", "/survey.md"})
+    pages += test::content_of(std::string(SWEPT_GUIDES) + name);
+  std::istringstream guides(pages);
   std::vector<std::string> commands;
-  for (std::string line; std::getline(readme, line);) {
+  for (std::string line; std::getline(guides, line);) {
     const bool ours = line.starts_with("swept render ") && line.find(" # ") != std::string::npos;
     for (const char* name : {"blender.ply", "particles.", "sparse_pc.ply", "scan.pcd", "survey.txt"})
       if (ours && line.find(name) != std::string::npos) commands.push_back(line.substr(0, line.find(" # ")));

@@ -82,6 +82,12 @@ Span MovingDisc::tile(int x, int y) const {
   return {span.begin - 1e-7, span.end + 1e-7};
 }
 
+std::array<float, 4> MovingDisc::light() const {
+  Eigen::Vector4f rgba = kernel_.color;
+  if (kernel_.changes_color()) rgba += (placed_ - kernel_.t_mid()) * kernel_.color_rate;
+  return {rgba[0], rgba[1], rgba[2], rgba[3]};
+}
+
 bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, int y,
                              SampleHits& hits) const {
   // Segments are half open, so that of two that meet only one is seen.
@@ -110,7 +116,7 @@ bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, 
   const Side side = outside.isZero(0.0) ? Side::unknown : outside.dot(ray) < 0.0 ? Side::front : Side::back;
   hits.add(DiscHit{static_cast<std::uint32_t>(k), z,
                    static_cast<float>(double{kernel_.weight} * std::exp(-delta_ * radius)),
-                   kernel_.depth_tolerance, side, kernel_.color.data()});
+                   kernel_.depth_tolerance, side, light()});
   return true;
 }
 

@@ -2,6 +2,7 @@
 // model sections 2 and 16. Rays go through the pixels' centres.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -40,6 +41,7 @@ class MovingDisc {
   [[nodiscard]] Eigen::Vector3d center_at(double time) const {
     return kernel_.center + (time - double{kernel_.t_mid()}) * kernel_.velocity;
   }
+  [[nodiscard]] std::array<float, 4> light() const;  ///< at the instant it was placed at
   [[nodiscard]] Span plane(int axis, int side, double tangent) const;
 
   const MovingKernel& kernel_;

@@ -15,8 +15,7 @@ bool nearer(const LayerHit& a, const LayerHit& b) {
 /// An order of the discs' content alone; of equally near ones the one that leads is model section 1.2's.
 bool leads(const DiscHit& a, const DiscHit& b) {
   const auto key = [](const DiscHit& hit) {
-    return std::make_tuple(hit.z, rank_of(hit.side), -hit.tolerance, -hit.weight, hit.rgba[0], hit.rgba[1],
-                           hit.rgba[2], hit.rgba[3]);
+    return std::make_tuple(hit.z, rank_of(hit.side), -hit.tolerance, -hit.weight, hit.rgba);
   };
   return key(a) < key(b);
 }
@@ -77,7 +76,7 @@ void SampleHits::gather_surfaces(std::size_t sample) {
         continue;
       }
       surface.sum.weight += hit.weight;
-      for (int c = 0; c < 4; ++c) surface.sum.rgba[c] += hit.weight * hit.rgba[c];
+      for (int c = 0; c < 4; ++c) surface.sum.rgba[c] += hit.weight * hit.rgba[static_cast<std::size_t>(c)];
       depth += double{hit.weight} * hit.z;
       weight += double{hit.weight};
     }

@@ -1,6 +1,7 @@
 // What the samples of a block of pixels met, and the pixels that come of it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,7 +28,7 @@ struct DiscHit {
   float weight;     ///< ρ
   float tolerance;  ///< ε
   Side side;
-  const float* rgba;  ///< premultiplied, of the kernel
+  std::array<float, 4> rgba;  ///< premultiplied, at the sample's instant
 };
 
 /// Entries are those of BlockSamples. What is kept, and how it is composed, does not depend on the order in

@@ -56,10 +56,11 @@ struct StochasticOptions {
 /// Statistics: "samples" per pixel, "samples_tested", "samples_inside", their ratio
 /// "sample_test_efficiency", "bounds_tested" (tiles or boxes), "primitives" that may be seen.
 ///
-/// Textures and looks that change are those of the place and the instant at which a sample meets a triangle.
+/// Textures and looks that change are those of the place and the instant at which a sample meets a triangle,
+/// and looks of discs those of the instant.
 ///
-/// Errors: options, control or scene out of range, splats, row delays and discs whose looks change, which are
-/// refused by name, not enough memory, and a render that was stopped. control.max_bytes is not looked at.
+/// Errors: options, control or scene out of range, splats and row delays, which are refused by name, not
+/// enough memory, and a render that was stopped. control.max_bytes is not looked at.
 [[nodiscard]] Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& options = {},
                                                  const RenderControl& control = {});
 

@@ -79,13 +79,14 @@ struct LoadedCloud {
 /// nearest points. Discs are oriented where the first file read has a normal or triangles for them. Every
 /// key's axes are aligned to those of the key before.
 ///
-/// Colours and opacities that differ between the files read are looks, of all of them. A file without them
-/// has those of the cloud's own, which, as triangles, are those of the first file read if there are no ids.
-/// With ids, they are those of the file nearest to the middle of [first, last] (the earlier of two), whose
-/// points come first. A point that not all files have exists from halfway after a file without it until
-/// halfway before the next: lifetimes, if that is within [first, last]; it moves there along its velocity, or
-/// stands still, which is told in the report. If counts differ and there are no ids, the cloud is that
-/// nearest file alone, if it has rates.
+/// Colours by normals that turn by more than an 8-bit step over [first, last] are looks, at the keys, or as
+/// often as discs that spin need it. Colours and opacities that differ between the files read are looks, of
+/// all of them. A file without them has those of the cloud's own, which, as triangles, are those of the first
+/// file read if there are no ids. With ids, they are those of the file nearest to the middle of [first, last]
+/// (the earlier of two), whose points come first. A point that not all files have exists from halfway after a
+/// file without it until halfway before the next: lifetimes, if that is within [first, last]; it moves there
+/// along its velocity, or stands still, which is told in the report. If counts differ and there are no ids,
+/// the cloud is that nearest file alone, if it has rates.
 ///
 /// Errors: as read_points, counts that differ between files otherwise, frames that do not increase, options
 /// out of range.

@@ -79,6 +79,68 @@ class Arrays(unittest.TestCase):
             image, _ = swept.render(**variant, **SMALL, max_error_db=45)
             np.testing.assert_array_equal(image, expected)
 
+    def test_looks_change_during_the_exposure(self):
+        given = arrays()
+        colors, opacities = given.pop("colors"), given.pop("opacities")
+        looks = [swept.Look(-0.25, colors, opacities), {"frame": 0.25, "colors": 1 - colors, "opacities": opacities}]
+        scene = swept.Scene(**SMALL)
+        scene.add_points(**given, looks=looks)
+        self.assertEqual(scene.views, 8)
+        image, _ = scene.render()
+        reference, _ = scene.render(method="reference")
+        self.assertGreater(swept.psnr(image, reference), 58)
+        # Every point is grey in the mean; frozen colours are not.
+        frozen, _ = swept.render(**given, colors=colors, **SMALL)
+        self.assertLess(swept.psnr(image, frozen), 30)
+        self.assertLess(float(np.abs(image[32, 48, :3] - 0.5).max()), 0.02)
+        again, _ = swept.render(**given, looks=looks, **SMALL)
+        np.testing.assert_array_equal(again, image)
+        fading, _ = swept.render(**given, looks=[swept.Look(-0.25), swept.Look(0.25, opacities=0 * opacities)], **SMALL)
+        self.assertLess(float(fading[32, 48, 3]), 0.9)
+
+    def test_whole_numbers_of_eight_and_sixteen_bits_are_srgb(self):
+        given = arrays()
+        given["colors"] = np.tile(np.array([255, 128, 0], dtype=np.uint8), (2000, 1))
+        image, _ = swept.render(**given, **SMALL)
+        np.testing.assert_allclose(image[32, 48, :3], [1, 0.2158605, 0], atol=1e-4)
+        given["colors"] = given["colors"].astype(np.uint16) * 257
+        again, _ = swept.render(**given, **SMALL)
+        np.testing.assert_allclose(again, image, atol=1e-6)
+        del given["colors"], given["opacities"]
+        looks = [swept.Look(0, np.full((2000, 3), 128, dtype=np.uint8))]
+        image, _ = swept.render(**given, looks=looks, **SMALL)
+        np.testing.assert_allclose(image[32, 48, :3], 0.2158605, atol=1e-4)
+
+    def test_nothing_is_left_out_without_a_word(self):
+        scene = swept.Scene(**SMALL)
+        scene.add_points(sphere(50))
+        for name, value in (("size", (64, 36)), ("shutter", (0, 1)), ("colors", sphere(50)), ("camera", swept.Camera()),
+                            ("radii", 0.1), ("two_sided", False), ("fields", {"/film/width": 32})):
+            with self.assertRaises(swept.ArgumentError) as raised:
+                swept.render(scene=scene, **{name: value})
+            self.assertEqual(raised.exception.field, name)
+        for wrong in ({"size": (64, 36, 3)}, {"shutter": (0, 1, 2)}, {"size": 64}):
+            with self.assertRaises((ValueError, TypeError)):
+                swept.Scene(**wrong)
+
+    def test_looks_that_are_wrong_are_named(self):
+        given = arrays()
+        colors, opacities = given.pop("colors"), given.pop("opacities")
+        for looks, field in (
+                ([swept.Look(0, colors), swept.Look(0, colors)], "looks[1].frame"),
+                ([swept.Look(0, colors[:7])], "looks[0].color"),
+                ([swept.Look(0, opacities=2 * opacities)], "looks[0].opacity[0]")):
+            with self.assertRaises(swept.ArgumentError) as raised:
+                swept.render(**given, looks=looks, **SMALL)
+            self.assertEqual(raised.exception.field, field)
+        with self.assertRaises(swept.ArgumentError) as raised:
+            swept.render(**given, colors=colors, looks=[swept.Look(0, colors)], **SMALL)
+        self.assertEqual(raised.exception.field, "color")
+        for looks in ([3], [{"colors": colors}], [swept.Look("soon")], [swept.Look(0, "red")],
+                      [swept.Look(0, colors[:, :2])]):
+            with self.assertRaises((TypeError, ValueError)):
+                swept.render(**given, looks=looks, **SMALL)
+
     def test_a_strided_table_is_looked_into(self):
         table = np.zeros((2000, 7))
         table[:, 2:5] = sphere(2000)
@@ -253,6 +315,17 @@ class Documentation(unittest.TestCase):
             self.assertIn(name, stubs)
         for name, _ in inspect.signature(swept.Scene.render).parameters.items():
             self.assertIn(name, stubs)
+
+
+    def test_examples_of_the_pages_run(self):
+        for page in ("README.md", "tools/guides/embedding.md"):
+            with open(os.path.join(SCENES, "..", page), encoding="utf-8") as file:
+                examples = file.read().split("```python\n")[1:]
+            self.assertTrue(examples, page)
+            for example in examples:
+                with tempfile.TemporaryDirectory() as folder:
+                    subprocess.run([sys.executable, "-c", example.split("```")[0]], cwd=folder, check=True)
+                    self.assertTrue(any(name.endswith(".png") for name in os.listdir(folder)), example)
 
 
 class Example(unittest.TestCase):

@@ -48,6 +48,21 @@ void take_motion(const py::dict& from, Arrays& arrays, Keep& keep) {
   arrays.frame = py::cast<double>(from["frame"]);
 }
 
+/// Looks, a list of dictionaries of frame, colors and opacities.
+std::vector<LookArrays> looks_of(const py::object& looks, Keep& keep) {
+  std::vector<LookArrays> all;
+  if (looks.is_none()) return all;
+  for (const py::handle& look : looks) {
+    const auto members = py::cast<py::dict>(look);
+    const std::string name = "looks[" + std::to_string(all.size()) + "].";
+    LookArrays& arrays = all.emplace_back();
+    arrays.frame = py::cast<double>(members["frame"]);
+    arrays.color = rows_of<Eigen::Vector3f, float>(given(members, "colors"), name + "colors", keep);
+    arrays.opacity = numbers_of(given(members, "opacities"), name + "opacities", keep);
+  }
+  return all;
+}
+
 /// Axes of discs of which normals, radii or both are estimated from the nearest points. Which of them are
 /// known to face outside.
 std::vector<std::uint8_t> estimate_axes(SurfelArrays& arrays, Keep& keep) {
@@ -126,6 +141,7 @@ void PythonScene::add_points(const py::dict& from) {
   arrays.radius = numbers_of(given(from, "radii"), "radii", keep);
   arrays.color = rows_of<Eigen::Vector3f, float>(given(from, "colors"), "colors", keep);
   arrays.opacity = numbers_of(given(from, "opacities"), "opacities", keep);
+  arrays.looks = looks_of(given(from, "looks"), keep);
   const bool axes = !arrays.axis_u.empty() || !arrays.axis_v.empty();
   std::vector<std::uint8_t> oriented;
   if (!axes && (arrays.normal.empty() || arrays.radius.empty())) oriented = estimate_axes(arrays, keep);

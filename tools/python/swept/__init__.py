@@ -20,7 +20,7 @@ from ._errors import ArgumentError, Error, MalformedError, NotFoundError, OutOfM
 from ._swept import __version__
 
 __all__ = [
-    "ArgumentError", "Camera", "Error", "MalformedError", "NotFoundError", "OutOfMemoryError", "Scene", "Statistics",
+    "ArgumentError", "Camera", "Error", "Look", "MalformedError", "NotFoundError", "OutOfMemoryError", "Scene", "Statistics",
     "load", "psnr", "read_exr", "read_splats", "render", "write_exr", "write_png", "__version__",
 ]
 
@@ -39,6 +39,16 @@ class Camera:
     matrix: object = None
     opencv: bool = False
     height: float = 0.0
+
+
+@dataclass
+class Look:
+    """What points look like at a frame: colours (n, 3), linear, and opacities (n,); None is white, and opaque. Between
+    two looks light and opacity change evenly; before the first and after the last they stay."""
+
+    frame: float
+    colors: object = None
+    opacities: object = None
 
 
 @dataclass
@@ -73,9 +83,9 @@ class Scene:
         self._frame = self._scene.frame() if _loaded is not None else float(frame)
         if _loaded is not None:
             return
+        (width, height), (opens, closes) = size, shutter
         settings = {
-            "/film/width": size[0], "/film/height": size[1], "/shutter/open": shutter[0],
-            "/shutter/close": shutter[1], "/background": background, **(fields or {}),
+            "/film/width": width, "/film/height": height, "/shutter/open": opens, "/shutter/close": closes, "/background": background, **(fields or {}),
         }
         for pointer, value in settings.items():
             self._scene.set_field(pointer, _numbers(value))
@@ -94,20 +104,25 @@ class Scene:
         self._placed = True
 
     def add_points(self, positions, velocities=None, colors=None, *, normals=None, radii=None, axes_u=None,
-                   axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, name=""):
+                   axes_v=None, opacities=None, looks=None, velocity_unit="per_frame", two_sided=True, oriented=None, name=""):
         """Adds discs: (n, 3) arrays, and (n,) for radii and opacities; one radius is that of all.
 
-        Looked into without a copy: positions as float64, and as float32 axes, velocities per frame, colours (linear)
-        and opacities, if the three numbers of a point lie side by side. `axes_u` and `axes_v` span the discs, or
+        Colours are linear; arrays of uint8 or uint16 are sRGB, as files have them, from 0 to 255 or 65535.
+
+        Looked into without a copy: positions as float64, and as float32 axes, velocities per frame, colours and
+        opacities, if the three numbers of a point lie side by side. `axes_u` and `axes_v` span the discs, or
         `normals` and `radii` do; of those, what is missing is estimated from the neighbours. `oriented`: axes_u ×
         axes_v, or the normal, is known to point outside, so that front and back are two surfaces; so it is for
         normals that are given, if nothing is said.
+
+        `looks`, in place of colours and opacities, is for what changes during the exposure: a Look, or a dictionary of
+        its members, for each frame at which they are known. Their arrays are looked into likewise.
         """
         self._scene.add_points({
-            "positions": positions, "velocities": velocities, "colors": colors, "normals": normals, "radii": radii,
+            "positions": positions, "velocities": velocities, "colors": _linear(colors), "normals": normals, "radii": radii,
             "axes_u": axes_u, "axes_v": axes_v, "opacities": opacities, "velocity_unit": _unit(velocity_unit),
             "fps": self._fps, "frame": self._frame, "name": name, "two_sided": two_sided,
-            "oriented": oriented,
+            "oriented": oriented, "looks": _looks(looks),
         })
 
     def add_splats(self, positions, scales, rotations, opacities, harmonics, degree=0, *, velocities=None,
@@ -153,21 +168,30 @@ class Scene:
                                           result["channels"], (result["x"], result["y"]))
 
 
-def render(positions=None, velocities=None, colors=None, camera=None, *, scene=None, size=(1024, 576),
-           shutter=(-0.25, 0.25), frame=None, fps=24.0, background=(0, 0, 0, 0), fields=None, normals=None, radii=None,
-           axes_u=None, axes_v=None, opacities=None, velocity_unit="per_frame", two_sided=True, oriented=None, **how):
+def render(positions=None, velocities=None, colors=None, camera=None, *, scene=None, frame=None, fields=None, size=None,
+           shutter=None, fps=None, background=None, normals=None, radii=None, axes_u=None, axes_v=None, opacities=None,
+           looks=None, velocity_unit=None, two_sided=None, oriented=None, **how):
     """Renders points, or `scene`: a Scene, or the path of a scene, of points or of splats. Returns an image and its
     Statistics. Without a camera, one is found that sees all points. `how`: max_error_db, method and the other options
-    of Scene.render(); the rest is as in Scene and Scene.add_points()."""
+    of Scene.render(); the rest is as in Scene and Scene.add_points(), and goes with positions alone. `fields` go with
+    the path of a scene too."""
     if (positions is None) == (scene is None):
         raise ArgumentError("give positions, or a scene", field="positions")
+    film = {"size": size, "shutter": shutter, "fps": fps, "background": background, "camera": camera}
+    points = {"velocities": velocities, "colors": colors, "normals": normals, "radii": radii, "axes_u": axes_u,
+              "axes_v": axes_v, "opacities": opacities, "looks": looks, "velocity_unit": velocity_unit,
+              "two_sided": two_sided, "oriented": oriented}
+    film, points = ({name: value for name, value in given.items() if value is not None} for given in (film, points))
     if scene is not None:
+        for name in (*film, *points):
+            raise ArgumentError("goes with positions: a scene has its own, and fields replace them", field=name)
         if not isinstance(scene, Scene):
             scene = load(scene, fields=fields)
+        elif fields:
+            raise ArgumentError("goes with positions, or with the path of a scene", field="fields")
         return scene.render(frame, **how)
-    made = Scene(size, shutter, frame or 0.0, fps, background, camera, fields)
-    made.add_points(positions, velocities, colors, normals=normals, radii=radii, axes_u=axes_u, axes_v=axes_v,
-                    opacities=opacities, velocity_unit=velocity_unit, two_sided=two_sided, oriented=oriented)
+    made = Scene(frame=frame or 0.0, fields=fields, **film)
+    made.add_points(positions, **points)
     return made.render(frame, **how)
 
 
@@ -207,6 +231,26 @@ def psnr(image, other):
 
 def _numbers(value):
     return [float(number) for number in _np.atleast_1d(_np.asarray(value, dtype=_np.float64))]
+
+
+def _linear(colors):
+    kind = getattr(colors, "dtype", None)
+    if kind not in (_np.uint8, _np.uint16):
+        return colors
+    encoded = colors / _np.iinfo(kind).max
+    return _np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(_np.float32)
+
+
+def _looks(looks):
+    if looks is None:
+        return None
+    looks = [looks] if isinstance(looks, (Look, dict)) else list(looks)
+    looks = [Look(**look) if isinstance(look, dict) else look for look in looks]
+    for i, look in enumerate(looks):
+        if not isinstance(look, Look):
+            raise ArgumentError("must be a Look, or a dictionary of its members", field=f"looks[{i}]")
+    return [{"frame": float(look.frame), "colors": _linear(look.colors), "opacities": look.opacities}
+            for look in looks]
 
 
 def _unit(name):

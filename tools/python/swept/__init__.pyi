@@ -31,6 +31,14 @@ class Camera:
                  fov: float = ..., matrix: Optional[ArrayLike] = ..., opencv: bool = ...,
                  height: float = ...) -> None: ...
 
+class Look:
+    frame: float
+    colors: Optional[ArrayLike]
+    opacities: Optional[ArrayLike]
+    def __init__(self, frame: float, colors: Optional[ArrayLike] = ..., opacities: Optional[ArrayLike] = ...) -> None: ...
+
+Looks = Optional[Sequence[Union[Look, Mapping[str, Any]]]]
+
 class Statistics:
     counters: dict[str, float]
     seconds: dict[str, float]
@@ -50,7 +58,7 @@ class Scene:
                    colors: Optional[ArrayLike] = ..., *, normals: Optional[ArrayLike] = ...,
                    radii: Optional[ArrayLike] = ..., axes_u: Optional[ArrayLike] = ...,
                    axes_v: Optional[ArrayLike] = ..., opacities: Optional[ArrayLike] = ...,
-                   velocity_unit: str = ..., two_sided: bool = ..., oriented: Optional[bool] = ..., name: str = ...) -> None: ...
+                   looks: Looks = ..., velocity_unit: str = ..., two_sided: bool = ..., oriented: Optional[bool] = ..., name: str = ...) -> None: ...
     def add_splats(self, positions: ArrayLike, scales: ArrayLike, rotations: ArrayLike, opacities: ArrayLike,
                    harmonics: ArrayLike, degree: int = ..., *, velocities: Optional[ArrayLike] = ...,
                    velocity_unit: str = ..., antialiased: bool = ..., linear: bool = ..., name: str = ...) -> None: ...
@@ -67,11 +75,12 @@ class Scene:
 
 def render(positions: Optional[ArrayLike] = ..., velocities: Optional[ArrayLike] = ...,
            colors: Optional[ArrayLike] = ..., camera: Union[Camera, Mapping[str, Any], None] = ..., *,
-           scene: Union[Scene, Path, None] = ..., size: Tuple[int, int] = ..., shutter: Tuple[float, float] = ...,
-           frame: Optional[float] = ..., fps: float = ..., background: Sequence[float] = ...,
-           fields: Optional[Mapping[str, Any]] = ..., normals: Optional[ArrayLike] = ...,
+           scene: Union[Scene, Path, None] = ..., frame: Optional[float] = ..., fields: Optional[Mapping[str, Any]] = ...,
+           size: Optional[Tuple[int, int]] = ..., shutter: Optional[Tuple[float, float]] = ..., fps: Optional[float] = ...,
+           background: Optional[Sequence[float]] = ..., normals: Optional[ArrayLike] = ...,
            radii: Optional[ArrayLike] = ..., axes_u: Optional[ArrayLike] = ..., axes_v: Optional[ArrayLike] = ...,
-           opacities: Optional[ArrayLike] = ..., velocity_unit: str = ..., two_sided: bool = ..., oriented: Optional[bool] = ...,
+           opacities: Optional[ArrayLike] = ..., looks: Looks = ..., velocity_unit: Optional[str] = ...,
+           two_sided: Optional[bool] = ..., oriented: Optional[bool] = ...,
            method: str = ..., max_error_db: float = ..., samples: int = ..., max_seconds: float = ...,
            error_channel: bool = ..., threads: int = ..., max_bytes: int = ...,
            progress: Optional[Callable[[float], Any]] = ...,
