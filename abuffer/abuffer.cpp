@@ -18,7 +18,6 @@
 #include "abuffer/through_lens.h"
 #include "abuffer/tile_renderer.h"
 #include "abuffer/tiles/tile_grid.h"
-#include "splat/kernel/kernel_set.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
 #include "splat/without_throwing.h"
@@ -114,14 +113,10 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   std::optional<DiscFilm> discs;
   std::optional<Image> standing;
   if (has_discs(scene) || !work.meshes) {
-    KernelSet set = build_kernels(scene, scene.exposure(), control.stop);
-    throw_if_stopped(control.stop);
+    work.discs = &discs.emplace(scene, window, options.tile_px, options.tile_fragments, control.stop);
     out.statistics.time("kernels", watch.lap());
-    work.discs =
-        &discs.emplace(scene, std::move(set), window, options.tile_px, options.tile_fragments, control.stop);
-    out.statistics.time("bins", watch.lap());
     // Points that stand still in a cloud that moves are not in it, and then it is of no use.
-    const KernelSet& kernels = discs->set;
+    const KernelCounts& kernels = discs->counts;
     if (!work.meshes && kernels.standing_kernels > 0 && kernels.standing_kernels == kernels.still_kernels) {
       Result<Rendered> rendered =
           render_standing(scene, options, {.threads = control.threads, .stop = control.stop});

@@ -6,17 +6,18 @@
 namespace swept {
 namespace {
 
-void describe_discs(const KernelSet& set, const TileBins& bins, Statistics& s) {
+void describe_discs(const DiscFilm& film, Statistics& s) {
+  const KernelCounts& set = film.counts;
   s.count("surfels", static_cast<double>(set.surfels));
-  s.count("kernels", static_cast<double>(set.kernels.size()));
+  s.count("kernels", static_cast<double>(film.kernels));
   s.count("segments", set.most_segments);
   s.count("kernels_still", static_cast<double>(set.still_kernels));
   s.count("kernels_edge_on", static_cast<double>(set.edge_on_kernels));
   s.count("kernels_at_near_plane", static_cast<double>(set.near_kernels));
   s.count("culled_degenerate", static_cast<double>(set.culled_degenerate));
   s.count("culled_near", static_cast<double>(set.culled_near));
-  s.count("culled_outside", static_cast<double>(bins.outside()));
-  s.count("culled_facing_away", static_cast<double>(bins.facing_away()));
+  s.count("culled_outside", static_cast<double>(film.bins.outside()));
+  s.count("culled_facing_away", static_cast<double>(film.bins.facing_away()));
 }
 
 void describe_meshes(const MeshFilm& film, bool with_discs, Statistics& s) {
@@ -38,7 +39,7 @@ void describe_meshes(const MeshFilm& film, bool with_discs, Statistics& s) {
 }  // namespace
 
 void describe(const DiscFilm* discs, const MeshFilm* meshes, const SweepCounts& c, Statistics& s) {
-  if (discs != nullptr) describe_discs(discs->set, discs->bins, s);
+  if (discs != nullptr) describe_discs(*discs, s);
   if (meshes != nullptr) describe_meshes(*meshes, discs != nullptr, s);
   const std::size_t entries = (discs != nullptr ? discs->bins.entry_count() : 0) +
                               (meshes != nullptr ? meshes->bins->entry_count() : 0);

@@ -70,9 +70,9 @@ void TileRenderer::resolve_pixel(const Window& window, int x, int y, std::size_t
   counters_.most_fragments =
       std::max<std::uint64_t>(counters_.most_fragments, indices.size() + intervals.size());
   const auto discs = [&] {
-    const DiscFilm& film = discs_->film();
-    DiscsOfPixel of{discs_->fragments(), film.shades, indices};
-    if (discs_->changes_color(local)) of.changes = {film.changes.data(), film.raster.row_delay * y};
+    DiscsOfPixel of{discs_->fragments(), discs_->shades(), indices};
+    if (discs_->changes_color(local))
+      of.changes = {discs_->changes().data(), discs_->film().raster.row_delay * y};
     return of;
   };
   if (!intervals.empty()) {

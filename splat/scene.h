@@ -67,8 +67,8 @@ struct MotionModel {
   /// follows SurfelCloud::path.
   KeyPath path = KeyPath::linear;
   /// How far chords of a path may be from it, px, where paths are cut into linear segments point by point;
-  /// rims may be off by 0.75 times as much. 0: 0.1 px for objects whose points' own paths curve, and the
-  /// others are cut all alike (linear_segments()).
+  /// rims and pixel filters may be off by 0.75 times as much. 0: 0.1 px for what curves, turns or comes
+  /// nearer, and the other objects are cut all alike (linear_segments()).
   double tolerance_px = 0.0;
 };
 

@@ -1,8 +1,10 @@
 #include "splat/surfel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -37,7 +39,20 @@ Status check_pose(const std::string& name, const SurfelPose& pose, std::size_t e
   return check_vectors(name + ".axis_v", pose.axis_v, expected);
 }
 
+/// Rates that are all zero are looked at more than once in a render: in blocks, for the compiler to make
+/// vectors of.
 bool any_nonzero(const PointArray<Eigen::Vector3f>& rates) {
+  constexpr std::size_t block = 4096;
+  if (!rates.empty() && rates.contiguous()) {
+    const float* numbers = rates[0].data();
+    for (std::size_t first = 0, count = 3 * rates.size(); first < count; first += block) {
+      std::uint32_t bits = 0;
+      for (std::size_t k = first; k < std::min(count, first + block); ++k)
+        bits |= std::bit_cast<std::uint32_t>(numbers[k]) << 1;  // −0 is 0
+      if (bits != 0) return true;
+    }
+    return false;
+  }
   return std::any_of(rates.begin(), rates.end(), [](const auto& rate) { return !rate.isZero(0.0f); });
 }
 
@@ -126,7 +141,7 @@ SurfelsAt::SurfelsAt(const SurfelCloud& cloud, double frame) : SurfelsAt(cloud, 
 SurfelsAt::SurfelsAt(const SurfelCloud& cloud, PathWeights weights)
     : keys_(cloud.keys.data()), base_(&cloud.keys[weights.base].pose), weights_(std::move(weights)) {
   if (cloud.keys.size() > 1) return;
-  if (!cloud.velocity.empty()) velocity_ = &cloud.velocity;
+  if (!cloud.velocity.empty() && weights_.velocity != 0.0) velocity_ = &cloud.velocity;
   if (!cloud.acceleration.empty()) acceleration_ = &cloud.acceleration;
   if (!cloud.angular_velocity.empty() && weights_.elapsed != 0.0) spin_ = &cloud.angular_velocity;
 }

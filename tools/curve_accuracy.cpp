@@ -110,6 +110,22 @@ Scene turning_ball() {
   return scene;
 }
 
+/// Discs of many sizes that come towards the eye and by it.
+Scene fly_through() {
+  Scene scene = stage();
+  Object object;
+  Random random(11);
+  for (int i = 0; i < 400; ++i) {
+    const Vector3d at(random(-1.5, 1.5), random(-1.2, 1.2), random(-3.0, 3.0));
+    const Vector3d n = random.vector(-1.0, 1.0).normalized(), u = n.unitOrthogonal(), v = n.cross(u);
+    const double r = 0.01 * std::pow(10.0, random(0.0, 1.0));
+    add(object, at, r * u, r * v, i % 2 != 0);
+    object.cloud.velocity.emplace_back(0.1f, 0.05f, static_cast<float>(random(1.0, 4.0)));
+  }
+  scene.objects = {object};
+  return scene;
+}
+
 Scene spline() {
   Scene scene = stage();
   Object object = sphere(1.2, 1500);
@@ -171,6 +187,7 @@ const std::map<std::string, Scene (*)()>& scenes() {
       {"spin-and-fly", [] { return spinning(1.0, true); }},
       {"spin-of-ellipses", [] { return spinning(3.0, false); }},
       {"ball-that-turns", turning_ball},
+      {"fly-through", fly_through},
       {"spline", spline},
       {"looks", [] { return looks(false); }},
       {"looks-and-opacity", [] { return looks(true); }}};

@@ -3,8 +3,9 @@
 //
 // Usage: swept_curves_benchmark [--points N] [--share S] [--repeats N] [--methods engine,exact] [--cases
 // NAME,…] Prints, as Markdown, CPU seconds of a render, all threads together, and peak memory beyond the
-// scene's own, each the median of its runs, and ratios to the straight scene run in turn with it. Every run
-// is a process of its own.
+// scene's own, each the median of its runs, and ratios to the scene without what the case adds, which is run
+// in turn with it: the straight one, or of what stands still the one whose shutter is closed. Every run is a
+// process of its own.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -42,6 +43,11 @@ constexpr Case cases[] = {
     {"straight", "straight", "every point moves by 30 px"},
     {"zeros", "straight", "with accelerations and spins that are all zero"},
     {"curved", "straight", "a share goes there by arcs of 100 px to the side: 32 segments"},
+    {"opacity-1", "straight", "with an opacity of 1 for every point"},
+    {"lens-0", "straight", "through a lens of radius 0"},
+    {"still", "closed", "nothing moves"},
+    {"closed", "closed", "nothing moves, and the shutter is open for no time"},
+    {"zero-velocities", "closed", "with velocities that are all zero"},
     {"as-far", "straight", "that share moves straight, as far as the arcs are long"},
     {"spinning", "straight", "a share turns by one radian about itself"},
     {"mortal", "straight", "a share begins or ends half-way"},
@@ -56,7 +62,8 @@ Result<Scene> make(const std::string& name, std::size_t points, double share) {
   if (!cloud) return cloud.error();
   object.cloud = *std::move(cloud);
   const Eigen::Vector3f way(static_cast<float>(way_px / engine_px_per_unit), 0.0f, 0.0f);
-  object.cloud.velocity.assign(object.cloud.size(), way);
+  const bool still = name == "still" || name == "closed" || name == "zero-velocities";
+  if (!still) object.cloud.velocity.assign(object.cloud.size(), way);
   const bool all = name.starts_with("all");
   const auto every = all ? std::size_t{1} : static_cast<std::size_t>(std::max(1.0, std::round(1.0 / share)));
   // ½ b t (1 − t) to the side, most of it half-way: b/8.
@@ -66,6 +73,10 @@ Result<Scene> make(const std::string& name, std::size_t points, double share) {
     for (std::size_t i = 0; i < object.cloud.size(); i += every) change(i);
   };
   const auto zeros = [&](auto& rates) { rates.assign(object.cloud.size(), Eigen::Vector3f::Zero()); };
+  if (name == "opacity-1") object.cloud.opacity.assign(object.cloud.size(), 1.0f);
+  if (name == "zero-velocities") zeros(object.cloud.velocity);
+  if (name == "closed") scene.shutter.close = scene.shutter.open;
+  if (name == "lens-0") scene.camera.aperture.blades = 6;
   if (name == "zeros") {
     zeros(object.cloud.acceleration);
     zeros(object.cloud.angular_velocity);
@@ -85,8 +96,6 @@ Result<Scene> make(const std::string& name, std::size_t points, double share) {
     of_share([&](std::size_t i) {
       (i & 1 ? object.cloud.lifetime[i].born : object.cloud.lifetime[i].gone) = 0.5;
     });
-  } else if (name != "straight") {
-    return Error{"", "cases", "there is no case " + name};
   }
   scene.objects.push_back(std::move(object));
   return scene;
@@ -170,15 +179,19 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   fmt::print("{} points, of which {} % differ\n\n", points, 100.0 * share);
   fmt::print(
-      "| case | method | CPU s | to straight | memory, MiB | to straight | instants a pixel | kernels | "
+      "| case | method | CPU s | ratio | memory, MiB | ratio | instants a pixel | kernels | "
       "PSNR, dB |\n");
   fmt::print("|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& method : methods)
     for (const std::string& name : names) {
+      const auto* of = std::find_if(std::begin(cases), std::end(cases),
+                                    [&](const Case& entry) { return entry.name == name; });
+      if (of == std::end(cases)) return fmt::print(stderr, "There is no case {}\n", name), 2;
+      const char* const against = of->against;
       std::vector<double> seconds, memory, time_ratios, memory_ratios;
       Cost last;
       for (int k = 0; k < repeats; ++k) {
-        const auto base = cost_of("straight", method, points, share, control, 0);
+        const auto base = cost_of(against, method, points, share, control, 0);
         const auto cost = cost_of(name, method, points, share, control, k == 0 ? reference : 0);
         if (!base || !cost) return fmt::print(stderr, "{} by {} failed\n", name, method), 1;
         const double psnr_db = k == 0 ? cost->psnr_db : last.psnr_db;

@@ -80,7 +80,7 @@ std::vector<ObjectPlan> effect_plan(const Scene& scene) {
     plan.points = plan.splats ? object.splats.size() : cloud.size();
     plan.why = reason(scene, object, exposure);
     const bool still = stands_still(scene, object, exposure);
-    if (!still && !plan.splats && !plan.triangles) plan.segments = linear_segments(scene, object, exposure);
+    if (!still && !plan.splats && !plan.triangles) plan.segments = most_segments(scene, object, exposure);
     plan.motion = still ? "still" : plan.segments > 1 ? "curved" : "straight";
     plan.layered = plan.splats || cloud.see_through();
     plan.one_sided = !object.two_sided;

@@ -1,31 +1,47 @@
 #include "abuffer/sources/disc_fragments.h"
 
-#include <utility>
+#include <algorithm>
 
 #include "splat/kernel/screen_bounds.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 
-DiscFilm::DiscFilm(const Scene& scene, KernelSet kernels, const Window& window, int tile_px,
-                   std::size_t limit, const std::stop_token& stop)
-    : set(std::move(kernels)),
-      bins(set, window, tile_px, stop),
-      shades(shades_of(set)),
-      changes(changes_of(set, shades)),
-      raster{set.projection, set.near, scene.model.delta,
-             static_cast<std::uint32_t>(shades.size() - set.kernels.size()),
+DiscFilm::DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
+                   const std::stop_token& stop)
+    : maker(scene, scene.exposure()),
+      bins(window, tile_px, maker.projection(), maker.near()),
+      raster{maker.projection(), maker.near(), scene.model.delta, 0,
              scene.shutter.row_delay == 0.0
                  ? 0.0
                  : scene.shutter.row_delay / (scene.shutter.close - scene.shutter.open)},
-      fragment_limit(limit) {}
+      fragment_limit(limit) {
+  counts = maker.make_all(
+      [&](const KernelSource& source, const MovingKernel& kernel) {
+        ++kernels;
+        order.include(kernel);
+        bins.add(source, kernel);
+      },
+      stop);
+  throw_if_stopped(stop);
+}
 
 void DiscFragments::select(std::size_t tile) {
   octagons_.clear();
-  for (const std::uint32_t k : film_.bins.kernels(tile)) {
+  kernels_.clear();
+  film_.bins.for_each(tile, [&](const KernelSource& source) {
+    const MovingKernel kernel = film_.maker.make(source);
     Octagon octagon;
-    if (screen_bounds(film_.set.kernels[k], film_.set.projection, film_.set.near, octagon))
-      octagons_.push_back({k, octagon});
-  }
+    if (!screen_bounds(kernel, film_.raster.projection, film_.raster.near, octagon)) return;
+    octagons_.push_back({film_.order.key(kernel), static_cast<std::uint32_t>(kernels_.size()), octagon});
+    kernels_.push_back(kernel);
+  });
+  std::sort(octagons_.begin(), octagons_.end(), [&](const BoundedKernel& a, const BoundedKernel& b) {
+    return a.key != b.key ? a.key < b.key : KernelOrder::content_less(kernels_[a.index], kernels_[b.index]);
+  });
+  shades_ = shades_of(kernels_);
+  changes_ = changes_of(kernels_, shades_);
+  raster_.backs = static_cast<std::uint32_t>(shades_.size() - kernels_.size());
 }
 
 bool DiscFragments::gather(const Window& window) {
@@ -34,8 +50,7 @@ bool DiscFragments::gather(const Window& window) {
   if (bound > film_.fragment_limit && window.width * window.height > 1) return false;
   fragments_.count = 0;
   for (const BoundedKernel& kernel : octagons_)
-    rasterize(film_.set.kernels[kernel.index], kernel.index, kernel.octagon, film_.raster, window,
-              fragments_);
+    rasterize(kernels_[kernel.index], kernel.index, kernel.octagon, raster_, window, fragments_);
   sort_by_pixel(window);
   return true;
 }
@@ -49,9 +64,9 @@ void DiscFragments::sort_by_pixel(const Window& window) {
     ++starts_[fragments_.pixel[i] + 1];
     if (!is_still(fragments_, i)) moving_[fragments_.pixel[i]] = 1;
   }
-  changing_.assign(film_.changes.empty() ? 0 : pixels, 0);
-  for (std::size_t i = 0; i < fragments_.count && !film_.changes.empty(); ++i)
-    if (film_.changes[fragments_.kernel[i]].any())
+  changing_.assign(changes_.empty() ? 0 : pixels, 0);
+  for (std::size_t i = 0; i < fragments_.count && !changes_.empty(); ++i)
+    if (changes_[fragments_.kernel[i]].any())
       moving_[fragments_.pixel[i]] = changing_[fragments_.pixel[i]] = 1;
   for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
   sorted_.resize(fragments_.count);

@@ -8,32 +8,40 @@
 
 #include "abuffer/sources/fragment_source.h"
 #include "abuffer/tiles/bins.h"
+#include "splat/kernel/kernel_maker.h"
+#include "splat/kernel/kernel_order.h"
 
 namespace swept {
 
-/// What all threads share of the discs of a scene.
+/// What all threads share of the discs of a scene: not their kernels, which a thread makes as a tile needs
+/// them.
 struct DiscFilm {
-  KernelSet set;
+  KernelMaker maker;
+  KernelCounts counts;
+  std::size_t kernels = 0;
+  KernelOrder order;
   TileBins bins;
-  std::vector<Shade> shades;
-  std::vector<ShadeChange> changes;  ///< empty: no colour changes
-  RasterModel raster;
+  RasterModel raster;  ///< `backs` is of a tile
   std::size_t fragment_limit;
 
-  DiscFilm(const Scene& scene, KernelSet kernels, const Window& window, int tile_px, std::size_t limit,
+  /// The scene must outlive it. Throws Stopped once `stop` asks for it.
+  DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
            const std::stop_token& stop);
 };
 
 class DiscFragments final : public FragmentSource {
  public:
   /// `film` must outlive it.
-  explicit DiscFragments(const DiscFilm& film) : film_(film) {}
+  explicit DiscFragments(const DiscFilm& film) : film_(film), raster_(film.raster) {}
 
   void select(std::size_t tile) override;
   [[nodiscard]] bool gather(const Window& window) override;
 
   [[nodiscard]] const DiscFilm& film() const { return film_; }
   [[nodiscard]] const FragmentArrays& fragments() const { return fragments_; }
+  /// Of the tile's kernels, and how they change; that is empty where none does.
+  [[nodiscard]] const std::vector<Shade>& shades() const { return shades_; }
+  [[nodiscard]] const std::vector<ShadeChange>& changes() const { return changes_; }
   /// Indices of the fragments of a pixel, which is counted row by row within the window. They are in the
   /// order of the kernels, and may be put into another.
   [[nodiscard]] std::span<std::uint32_t> of_pixel(std::size_t local) {
@@ -47,13 +55,18 @@ class DiscFragments final : public FragmentSource {
 
  private:
   struct BoundedKernel {
+    std::uint64_t key;  ///< of KernelOrder
     std::uint32_t index;
     Octagon octagon;
   };
   void sort_by_pixel(const Window& window);
 
   const DiscFilm& film_;
-  std::vector<BoundedKernel> octagons_;
+  std::vector<MovingKernel> kernels_;  ///< of the tile
+  std::vector<Shade> shades_;
+  std::vector<ShadeChange> changes_;
+  RasterModel raster_;
+  std::vector<BoundedKernel> octagons_;  ///< of these, in KernelOrder
   FragmentArrays fragments_;
   std::vector<std::uint32_t> starts_, fill_, sorted_;
   std::vector<std::uint8_t> moving_, changing_;  ///< by pixel

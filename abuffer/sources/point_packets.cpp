@@ -28,10 +28,15 @@ std::vector<double> pose_frames(const SurfelCloud& cloud, const Exposure& exposu
   return frames;
 }
 
+/// Where nothing moves rates are not looked at, though there may be some, all zero.
+PathWeights weights_at(const SurfelCloud& cloud, double frame) {
+  return cloud.moves() ? path_weights(cloud, frame) : PathWeights{};
+}
+
 /// The poses of PointPackets.
 std::vector<PathWeights> poses_of(const SurfelCloud& cloud, const std::vector<double>& frames,
                                   std::size_t degree) {
-  std::vector<PathWeights> poses{path_weights(cloud, frames.front())};
+  std::vector<PathWeights> poses{weights_at(cloud, frames.front())};
   for (std::size_t j = 1; j < frames.size(); ++j) {
     if (degree == 1) {
       poses.push_back(path_weights(cloud, frames[j]));
@@ -134,7 +139,7 @@ class Content {
 std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<std::uint32_t>& points,
                                     const std::vector<PathWeights>& poses, const Exposure& exposure) {
   // In the middle points have moved apart half as far as from one end to the other.
-  const SurfelsAt pose(cloud, path_weights(cloud, exposure.middle()));
+  const SurfelsAt pose(cloud, weights_at(cloud, exposure.middle()));
   const Content content(cloud, poses, exposure);
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return content.less(points[a], points[b]); };
   std::vector<std::uint32_t> order = content_order(

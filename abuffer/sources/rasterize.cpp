@@ -41,31 +41,30 @@ bool delay(MovingKernel& kernel, double later) {
 
 }  // namespace
 
-std::vector<Shade> shades_of(const KernelSet& set) {
-  const bool any_oriented = std::any_of(set.kernels.begin(), set.kernels.end(),
+std::vector<Shade> shades_of(std::span<const MovingKernel> kernels) {
+  const bool any_oriented = std::any_of(kernels.begin(), kernels.end(),
                                         [](const MovingKernel& k) { return !k.outside.isZero(0.0f); });
   std::vector<Shade> shades;
-  shades.reserve((any_oriented ? 2 : 1) * set.kernels.size());
-  for (const MovingKernel& k : set.kernels)
+  shades.reserve((any_oriented ? 2 : 1) * kernels.size());
+  for (const MovingKernel& k : kernels)
     shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]},
                       k.depth_tolerance,
                       k.outside.isZero(0.0f) ? Side::unknown : Side::front});
   if (!any_oriented) return shades;
-  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
+  for (std::size_t k = 0; k < kernels.size(); ++k) {
     shades.push_back(shades[k]);
     shades.back().side = Side::back;
   }
   return shades;
 }
 
-std::vector<ShadeChange> changes_of(const KernelSet& set, const std::vector<Shade>& shades) {
+std::vector<ShadeChange> changes_of(std::span<const MovingKernel> kernels, const std::vector<Shade>& shades) {
   std::vector<ShadeChange> changes;
-  if (std::none_of(set.kernels.begin(), set.kernels.end(),
-                   [](const MovingKernel& k) { return k.changes_color(); }))
+  if (std::none_of(kernels.begin(), kernels.end(), [](const MovingKernel& k) { return k.changes_color(); }))
     return changes;
   changes.reserve(shades.size());
   for (std::size_t s = 0; s < shades.size(); ++s) {
-    const MovingKernel& k = set.kernels[s % set.kernels.size()];
+    const MovingKernel& k = kernels[s % kernels.size()];
     changes.push_back({{k.color_rate[0], k.color_rate[1], k.color_rate[2], k.color_rate[3]}, k.t_mid()});
   }
   return changes;

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "splat/camera.h"
 #include "splat/export.h"
 #include "splat/interval/fragments.h"
-#include "splat/kernel/kernel_set.h"
+#include "splat/kernel/moving_kernel.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
 
@@ -45,10 +46,11 @@ struct RasterModel {
 };
 
 /// Of each kernel, by its index; and if any is oriented, after them all again for their backs.
-[[nodiscard]] std::vector<Shade> shades_of(const KernelSet& set);
+[[nodiscard]] std::vector<Shade> shades_of(std::span<const MovingKernel> kernels);
 
 /// Of each of these shades, how it changes; empty if none does.
-[[nodiscard]] std::vector<ShadeChange> changes_of(const KernelSet& set, const std::vector<Shade>& shades);
+[[nodiscard]] std::vector<ShadeChange> changes_of(std::span<const MovingKernel> kernels,
+                                                  const std::vector<Shade>& shades);
 
 /// Appends a fragment as the sweep takes it: times in ticks, y and z where it begins then, the rest rounded
 /// to float. Not one that would last for no tick or weigh nothing, nor what is beyond the range of sums.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/without_throwing.h"
-
 namespace swept {
 namespace {
 
@@ -25,53 +23,48 @@ bool faces_away(const MovingKernel& kernel, const PixelBox& box, const Projectio
 
 }  // namespace
 
-TileBins::TileBins(const KernelSet& set, const Window& film_window, int tile_px, const std::stop_token& stop)
-    : tiles_(film_window, tile_px), starts_(tiles_.count() + 1) {
-  const PixelBox film = film_window.centers();
+TileBins::TileBins(const Window& film_window, int tile_px, const Projection& projection, double near)
+    : tiles_(film_window, tile_px),
+      film_(film_window),
+      tile_px_(tile_px),
+      projection_(projection),
+      near_(near),
+      last_(tiles_.count()) {}
+
+void TileBins::put(std::size_t tile, const KernelSource& source) {
+  Last& last = last_[tile];
+  if (last.count == per_block) {
+    blocks_.push_back({{}, last.block});
+    last = {static_cast<std::uint32_t>(blocks_.size() - 1), 0};
+  }
+  blocks_[last.block].sources[last.count++] = source;
+  ++entries_;
+}
+
+void TileBins::add(const KernelSource& source, const MovingKernel& kernel) {
+  Octagon octagon;
+  if (!screen_bounds(kernel, projection_, near_, octagon) || !octagon.overlaps(film_.centers())) {
+    ++outside_;
+    return;
+  }
+  const PixelBox box = octagon.box();
+  if (faces_away(kernel, box, projection_)) {
+    ++facing_away_;
+    return;
+  }
   const auto columns = static_cast<int>(tiles_.columns()), rows = static_cast<int>(tiles_.rows());
-  bool back = false;  // why for_each_tile found none
-  const auto for_each_tile = [&](const MovingKernel& kernel, auto&& visit) {
-    back = false;
-    Octagon octagon;
-    if (!screen_bounds(kernel, set.projection, set.near, octagon) || !octagon.overlaps(film)) return false;
-    const PixelBox box = octagon.box();
-    if (faces_away(kernel, box, set.projection)) {
-      back = true;
-      return false;
+  const auto tile_of = [&](double position, int origin, int tiles) {
+    return static_cast<int>(std::clamp((position - origin) / tile_px_, 0.0, tiles - 1.0));
+  };
+  const int x0 = tile_of(box.x_min, film_.x, columns), x1 = tile_of(box.x_max, film_.x, columns);
+  const int y0 = tile_of(box.y_min, film_.y, rows), y1 = tile_of(box.y_max, film_.y, rows);
+  const std::size_t before = entries_;
+  for (int ty = y0; ty <= y1; ++ty)
+    for (int tx = x0; tx <= x1; ++tx) {
+      const std::size_t tile = static_cast<std::size_t>(ty) * tiles_.columns() + static_cast<std::size_t>(tx);
+      if (octagon.overlaps(tiles_.window(tile).centers())) put(tile, source);
     }
-    const auto tile_of = [&](double position, int origin, int tiles) {
-      return static_cast<int>(std::clamp((position - origin) / tile_px, 0.0, tiles - 1.0));
-    };
-    const int x0 = tile_of(box.x_min, film_window.x, columns),
-              x1 = tile_of(box.x_max, film_window.x, columns);
-    const int y0 = tile_of(box.y_min, film_window.y, rows), y1 = tile_of(box.y_max, film_window.y, rows);
-    bool any = false;
-    for (int ty = y0; ty <= y1; ++ty)
-      for (int tx = x0; tx <= x1; ++tx) {
-        const std::size_t tile =
-            static_cast<std::size_t>(ty) * tiles_.columns() + static_cast<std::size_t>(tx);
-        if (!octagon.overlaps(window(tile).centers())) continue;
-        any = true;
-        visit(tile);
-      }
-    return any;
-  };
-  const auto look_at_stop = [&](std::size_t kernel) {
-    if (kernel % 1024 == 0) throw_if_stopped(stop);
-  };
-  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
-    look_at_stop(k);
-    if (!for_each_tile(set.kernels[k], [&](std::size_t tile) { ++starts_[tile + 1]; }))
-      ++(back ? facing_away_ : outside_);
-  }
-  for (std::size_t tile = 1; tile < starts_.size(); ++tile) starts_[tile] += starts_[tile - 1];
-  entries_.resize(starts_.back());
-  std::vector<std::size_t> fill(starts_.begin(), starts_.end() - 1);
-  for (std::size_t k = 0; k < set.kernels.size(); ++k) {
-    look_at_stop(k);
-    for_each_tile(set.kernels[k],
-                  [&](std::size_t tile) { entries_[fill[tile]++] = static_cast<std::uint32_t>(k); });
-  }
+  if (entries_ == before) ++outside_;
 }
 
 }  // namespace swept

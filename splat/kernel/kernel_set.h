@@ -12,13 +12,8 @@
 
 namespace SWEPT_API swept {
 
-/// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
-/// or objects changes nothing.
-struct KernelSet {
-  std::vector<MovingKernel> kernels;
-  Projection
-      projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
-  double near = 0.0;  ///< camera-space depth, > 0
+/// What a scene's kernels are, counted.
+struct KernelCounts {
   std::size_t surfels = 0;           ///< points of all objects
   int most_segments = 1;             ///< of any object
   std::size_t still_kernels = 0;     ///< kernels that do not move
@@ -28,6 +23,15 @@ struct KernelSet {
   /// Segments whose disc has no area and no thickness on screen, or that are too large for numbers.
   std::size_t culled_degenerate = 0;
   std::size_t culled_near = 0;  ///< wholly nearer than the near plane or behind the eye
+};
+
+/// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
+/// or objects changes nothing.
+struct KernelSet : KernelCounts {
+  std::vector<MovingKernel> kernels;
+  Projection
+      projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
+  double near = 0.0;  ///< camera-space depth, > 0
 };
 
 /// Cuts every surfel's path through camera space over the exposure into linear_segments(), or, where

@@ -1,6 +1,7 @@
 #include "splat/motion/cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -13,10 +14,21 @@ namespace {
 /// Between two times at which a path is looked at nothing may turn farther, radians.
 constexpr double most_turn = 0.5 * std::numbers::pi;
 constexpr double most_spans = 1024.0;
-/// A chord's error is made good in the mean (build_kernels), that of axes that stand still is not.
-constexpr double rims_per_path = 0.75;
 /// Of a colour, or of 1 if that is more: the chord's light is right in the mean, so that far less is seen.
 constexpr float light_tolerance = 0x1p-9f;
+
+/// Halves are numbered as the nodes of a binary tree, the root being 1, below the number of their span.
+constexpr int node_bits = 9;
+constexpr std::uint32_t whole_path = ~0u;
+constexpr double most_spans_in_all = 1 << 22;
+
+/// Where the time `index` of 2^finest is kept: ends, middle, quarters, and so on.
+std::size_t slot_of(int index, int finest) {
+  if (index == 0) return 0;
+  if (index == 1 << finest) return 1;
+  const int zeros = std::countr_zero(static_cast<unsigned>(index));
+  return 1u + (1u << (finest - zeros - 1)) + (static_cast<unsigned>(index) >> (zeros + 1));
+}
 
 /// Radians that the object, its discs and the camera turn by between two frames, or more.
 double turning(const Scene& scene, const Object& object, double spin, double first, double last) {
@@ -76,7 +88,9 @@ void PathCutter::add_corners() {
   const double of_degree = std::ceil(static_cast<double>(path_degree(cloud)) / 4.0);
   for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
     const double turns = turning(scene_, object_, spin, frames[k], frames[k + 1]);
-    const double parts = std::min(std::max(of_degree, std::ceil(turns / most_turn)), most_spans);
+    const double most =
+        std::max(1.0, std::min(most_spans, most_spans_in_all / static_cast<double>(frames.size())));
+    const double parts = std::min(std::max(of_degree, std::ceil(turns / most_turn)), most);
     const double first = exposure_.share_at(frames[k]), last = exposure_.share_at(frames[k + 1]);
     for (double part = 0.0; part < parts; part += 1.0)
       spans_.push_back(first + (last - first) * (part / parts));
@@ -91,13 +105,23 @@ PathCutter::Place PathCutter::place(double time) const {
 
 const PathCutter::Place& PathCutter::at(std::size_t span, int index) {
   auto& looks = looks_[span];
-  if (looks.empty()) looks.resize((1u << finest) + 1u);
-  auto& look = looks[static_cast<std::size_t>(index)];
+  const std::size_t slot = slot_of(index, finest);
+  if (slot >= looks.size()) looks.resize(slot < 2 ? 2 : std::bit_ceil(slot) + 1);
+  auto& look = looks[slot];
   if (!look) {
     const double share = static_cast<double>(index) / (1 << finest);
     look = std::make_unique<Place>(place(spans_[span] + share * (spans_[span + 1] - spans_[span])));
   }
   return *look;
+}
+
+const PathCutter::Place& PathCutter::known(std::size_t span, int index) const {
+  return *looks_[span][slot_of(index, finest)];
+}
+
+double PathCutter::time(std::size_t span, int index) const {
+  if (index == 1 << finest) return spans_[span + 1];  // the very number that the next span begins with
+  return spans_[span] + static_cast<double>(index) / (1 << finest) * (spans_[span + 1] - spans_[span]);
 }
 
 PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
@@ -131,7 +155,21 @@ bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& la
   return !((chord - truth.center).norm() * visible_scale(truth.center) > tolerance_px_);
 }
 
+/// The pixel filter is a length in the middle, where it has the size of a pixel.
+bool PathCutter::same_filter(const Seen& end, const Seen& middle) const {
+  const double scale = visible_scale(end.center), near = scene_.camera.near;
+  if (projection_.orthographic || !(scale > 0.0)) return true;
+  const double tolerance_px = rims_per_path * tolerance_px_, z = end.center.z();
+  const double filter_px = scene_.model.filter_radius_px;
+  if (!filter_may_differ(z, 2.0 * middle.center.z() - z, near, tolerance_px / filter_px)) return true;
+  const double true_radius = filter_px / projection_.focal_px * z;
+  const double radius = true_radius * (std::max(middle.center.z(), near) / z);
+  return !(filters_apart_px({end.axis_u, end.axis_v}, end.center.x() / z, end.center.y() / z, scale, radius,
+                            true_radius) > tolerance_px);
+}
+
 bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
+  if (!same_filter(end, middle)) return false;
   const double scale = visible_scale(middle.center);
   if (!(scale > 0.0)) return true;
   // Parallel rays go along the view, wherever the disc is.
@@ -153,7 +191,7 @@ bool PathCutter::is_one_segment(std::size_t i) {
       if (!near_chord(first, truth, last, time) || !near_middle(truth, middle)) return false;
     }
   segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v,
-                       first.light, middle.light, last.light});
+                       first.light, middle.light, last.light, whole_path});
   return true;
 }
 
@@ -171,12 +209,32 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
     halve(i, span, begin + half, end, middle, last);
     return;
   }
-  const auto time = [&](int index) {
-    if (index == 1 << finest) return spans_[span + 1];  // the very number that the next span begins with
-    return spans_[span] + static_cast<double>(index) / (1 << finest) * (spans_[span + 1] - spans_[span]);
-  };
-  segments_.push_back({time(begin), time(end), first.center, middle.center, last.center, middle.axis_u,
-                       middle.axis_v, first.light, middle.light, last.light});
+  const int node = ((1 << finest) + begin) / (end - begin);
+  segments_.push_back({time(span, begin), time(span, end), first.center, middle.center, last.center,
+                       middle.axis_u, middle.axis_v, first.light, middle.light, last.light,
+                       static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)});
+}
+
+PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
+  const bool whole = piece == whole_path;
+  const std::size_t span = whole ? 0 : piece >> node_bits, last_span = whole ? looks_.size() - 1 : span;
+  const std::uint32_t node = whole ? 1 : piece & ((1u << node_bits) - 1);
+  const int length = static_cast<int>((1u << finest) / std::bit_floor(node));
+  const int begin = static_cast<int>(node) * length - (1 << finest);
+  const int end = whole ? 1 << finest : begin + length;
+  const Seen first = see(i, known(span, begin)), last = see(i, known(last_span, end)),
+             middle = see(i, whole ? middle_ : known(span, begin + length / 2));
+  return {whole ? 0.0 : time(span, begin),
+          whole ? 1.0 : time(span, end),
+          first.center,
+          middle.center,
+          last.center,
+          middle.axis_u,
+          middle.axis_v,
+          first.light,
+          middle.light,
+          last.light,
+          piece};
 }
 
 const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_px) {
@@ -186,19 +244,6 @@ const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_
   for (std::size_t span = 0; span < looks_.size(); ++span)
     halve(i, span, 0, 1 << finest, see(i, at(span, 0)), see(i, at(span, 1 << finest)));
   return segments_;
-}
-
-bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exposure) {
-  if (stands_still(scene, object, exposure) || object.discs() == 0) return false;
-  if (exposure.row_delay != 0.0) return true;
-  // Segments that are all alike would miss the corners of looks.
-  return object.segments == 0 && scene.model.segments == 0 &&
-         (object.cloud.curved() || scene.motion.tolerance_px > 0.0 ||
-          looks_change(object.cloud, exposure.open, exposure.close));
-}
-
-double path_tolerance_px(const Scene& scene) {
-  return scene.motion.tolerance_px > 0.0 ? scene.motion.tolerance_px : 0.1;
 }
 
 }  // namespace swept

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,9 +21,10 @@ struct PathSegment {
   Eigen::Vector3d axis_u, axis_v;       ///< in the middle
   /// Premultiplied; where looks_change() over the exposure, else not set.
   Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
+  std::uint32_t piece = 0;  ///< which of all that the path may be cut into
 };
 
-/// Cuts the points of one object. Not for several threads at once.
+/// Cuts the points of one object.
 class PathCutter {
  public:
   /// The scene and the object must outlive it. Segments run over `exposure`, all rows alike.
@@ -31,9 +33,13 @@ class PathCutter {
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
   /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 0.75
   /// times that from where it is in the middle (rims.h); else halves of it, down to 256 between two corners
-  /// of the path. Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Valid until the next
-  /// call.
+  /// of the path. Nor is the pixel filter of the middle farther than that from the one where it is used.
+  /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Valid until the next
+  /// call. Not for several threads at once.
   const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
+
+  /// A segment that cut() has once returned of this point, to the bit. For any threads, while none cuts.
+  [[nodiscard]] PathSegment segment(std::size_t i, std::uint32_t piece) const;
 
  private:
   struct Place {
@@ -48,11 +54,14 @@ class PathCutter {
   static constexpr int finest = 10;  ///< halvings of a span at which paths are looked at
   static constexpr int most_halvings = 8;
 
+  [[nodiscard]] double time(std::size_t span, int index) const;
   [[nodiscard]] Place place(double time) const;
   [[nodiscard]] Seen see(std::size_t i, const Place& place) const;
   const Place& at(std::size_t span, int index);
+  [[nodiscard]] const Place& known(std::size_t span, int index) const;
   [[nodiscard]] bool near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const;
   [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle) const;
+  [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle) const;
   [[nodiscard]] double visible_scale(const Eigen::Vector3d& center) const;
   bool is_one_segment(std::size_t i);
   void halve(std::size_t i, std::size_t span, int begin, int end, const Seen& first, const Seen& last);
@@ -64,8 +73,9 @@ class PathCutter {
   Projection projection_;
   bool looks_change_;
   double tolerance_px_ = 0.1;
-  std::vector<double> spans_;                               ///< 0, corners, 1
-  std::vector<std::vector<std::unique_ptr<Place>>> looks_;  ///< by span, at 2¹⁰ + 1 times, where asked for
+  std::vector<double> spans_;  ///< 0, corners, 1
+  /// By span, at 2¹⁰ + 1 times, coarsest first, as far as asked for.
+  std::vector<std::vector<std::unique_ptr<Place>>> looks_;
   Place middle_;
   std::vector<PathSegment> segments_;
 };

@@ -134,7 +134,7 @@ Result<Rendered> render_checked(const Scene& scene, const RaycastOptions& given,
   Rendered out;
   Stopwatch watch;
   const KernelSet set = build_kernels(scene);
-  const std::vector<Shade> shades = shades_of(set);
+  const std::vector<Shade> shades = shades_of(set.kernels);
   if (set.still_kernels == set.kernels.size()) options.samples = 1;
   out.statistics.time("kernels", watch.lap());
   const Result<DiscVolumes> volumes = DiscVolumes::build(set, scene.model, options.threads);
