@@ -360,15 +360,59 @@ TEST(Stochastic, RefusesWhatItDoesNotDraw) {
   ASSERT_FALSE(splats.ok());
   EXPECT_EQ(splats.error().kind, ErrorKind::unsupported);
   scene.objects.pop_back();
-  Scene changing = scene;
-  LookKey& look = changing.objects[0].cloud.looks.emplace_back();
-  look.opacity.assign(changing.objects[0].cloud.size(), 0.5f);
-  const auto discs = render_stochastic(changing);
-  ASSERT_FALSE(discs.ok());
-  EXPECT_NE(discs.error().message().find("discs whose colours"), std::string::npos);
   for (const StochasticOptions& wrong :
        {StochasticOptions{.samples = 0}, {.times = -1}, {.tile_px = 3}, {.intervals = 0}})
     EXPECT_FALSE(render_stochastic(scene, wrong).ok());
+}
+
+/// Discs whose colours and opacities change, at times that are not those of their path: as the reference.
+TEST(Stochastic, ConvergesToTheReferenceOfDiscsThatChange) {
+  for (const bool see_through : {false, true}) {
+    Scene scene = test::busy_scene();
+    test::Random random(21);
+    for (Object& object : scene.objects)
+      for (const double frame : {0.0, 0.3, 1.0}) {
+        LookKey& look = object.cloud.looks.emplace_back();
+        look.frame = frame;
+        for (std::size_t i = 0; i < object.cloud.size(); ++i) {
+          look.color.push_back(random.vector(0.0, 1.0).cast<float>());
+          look.opacity.push_back(see_through ? static_cast<float>(random(0.2, 1.0)) : 1.0f);
+        }
+      }
+    const char* const what = see_through ? "opacities that change" : "colours that change";
+    expect_converges(scene, 256, 0.004, what);
+    expect_same_images(scene, 16, 0, what);
+    // Frozen ones would be seen.
+    Scene frozen = scene;
+    for (Object& object : frozen.objects) {
+      object.cloud.color = object.cloud.looks[0].color;
+      object.cloud.opacity = object.cloud.looks[0].opacity;
+      object.cloud.looks.clear();
+    }
+    EXPECT_GT(rmse(rendered(frozen, {.samples = 64}).image, rendered(scene, {.samples = 64}).image), 0.05)
+        << what;
+  }
+}
+
+/// A fade of a disc that stands still, under a shutter that lets in more light late: the shutter's mean.
+TEST(Stochastic, ADiscThatFadesIsTheShuttersMean) {
+  Scene scene = test::stage();
+  Object& object = scene.objects.emplace_back();
+  test::add_disc(object, {0, 0, 0}, {0, 0, 1}, 40.0, {1.0f, 0.5f, 0.25f});
+  for (const double frame : {0.0, 1.0}) {
+    LookKey& look = object.cloud.looks.emplace_back();
+    look.frame = frame;
+    look.color = {{1.0f, 0.5f, 0.25f}};
+    look.opacity = {static_cast<float>(frame)};
+  }
+  scene.shutter.curve = ShutterShape::table;
+  scene.shutter.rates = {0.0, 1.0};  // twice the time: the mean of it is ⅔
+  const Image image = rendered(scene, {.samples = 1024}).image;
+  for (const std::size_t pixel : {std::size_t{0}, std::size_t{24 * 64 + 32}}) {
+    EXPECT_NEAR(image.rgba[4 * pixel], 2.0 / 3.0, 2e-3);
+    EXPECT_NEAR(image.rgba[4 * pixel + 1], 1.0 / 3.0, 2e-3);
+    EXPECT_NEAR(image.rgba[4 * pixel + 3], 2.0 / 3.0, 2e-3);
+  }
 }
 
 /// In each of a power of two of strata of every dimension there is one sample of a pixel.

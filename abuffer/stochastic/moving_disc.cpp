@@ -15,7 +15,8 @@ MovingDisc::MovingDisc(const MovingKernel& kernel, double delta, const FilmView&
       axis_u_(kernel.axis_u.cast<double>()),
       axis_v_(kernel.axis_v.cast<double>()),
       normal_(axis_u_.cross(axis_v_)),
-      center_(kernel.center) {
+      center_(kernel.center),
+      color_(kernel.color) {
   const double squared = normal_.squaredNorm();
   exists_ = squared > 0.0 && kernel.weight > 0.0f && kernel.t_begin < 1.0f && kernel.t_end > 0.0f;
   dual_u_ = axis_v_.cross(normal_) / squared;
@@ -35,6 +36,15 @@ PixelRange MovingDisc::pixels(const Span& time, const PixelRange& window) const 
                                             (corner & 4) != 0 ? half_.z() : -half_.z()));
   }
   return hull.pixels(window, 0.5);
+}
+
+void MovingDisc::place(float time) {
+  center_ = center_at(double{time});
+  placed_ = time;
+  if (!kernel_.changes_color()) return;
+  color_ = kernel_.color + (time - kernel_.t_mid()) * kernel_.color_rate;
+  // What rounding puts beyond the ends of a segment.
+  color_.w() = std::clamp(color_.w(), 0.0f, 1.0f);
 }
 
 Span MovingDisc::plane(int axis, int side, double tangent) const {
@@ -108,9 +118,12 @@ bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, 
   const double u = dual_u_.dot(off), v = dual_v_.dot(off), radius = u * u + v * v;
   if (!(radius <= 1.0)) return false;
   const Side side = outside.isZero(0.0) ? Side::unknown : outside.dot(ray) < 0.0 ? Side::front : Side::back;
-  hits.add(DiscHit{static_cast<std::uint32_t>(k), z,
+  hits.add(DiscHit{static_cast<std::uint32_t>(k),
+                   z,
                    static_cast<float>(double{kernel_.weight} * std::exp(-delta_ * radius)),
-                   kernel_.depth_tolerance, side, kernel_.color.data()});
+                   kernel_.depth_tolerance,
+                   side,
+                   {color_[0], color_[1], color_[2], color_[3]}});
   return true;
 }
 

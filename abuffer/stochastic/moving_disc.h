@@ -29,7 +29,7 @@ class MovingDisc {
   [[nodiscard]] PixelRange pixels(const Span& time, const PixelRange& window) const;
   void begin_tiles(int, const PixelRange&, int tile_px, CurveBounds) { tile_px_ = tile_px; }
   [[nodiscard]] Span tile(int x, int y) const;
-  void place(float time) { center_ = center_at(double{time}), placed_ = time; }
+  void place(float time);
   bool test_placed(const BlockSamples& samples, std::size_t k, int x, int y, SampleHits& hits) const;
   bool test(const BlockSamples& samples, std::size_t k, int x, int y, SampleHits& hits) {
     place(samples.share[k]);
@@ -48,6 +48,7 @@ class MovingDisc {
   bool exists_;
   Eigen::Vector3d axis_u_, axis_v_, normal_, dual_u_, dual_v_, half_;  ///< half_: of the box about the disc
   Eigen::Vector3d center_;                                             ///< where it was placed
+  Eigen::Vector4f color_;                                              ///< as it was then, premultiplied
   float placed_ = 0.0f;
   int tile_px_ = 1;
 };

@@ -27,7 +27,7 @@ struct DiscHit {
   float weight;     ///< ρ
   float tolerance;  ///< ε
   Side side;
-  const float* rgba;  ///< premultiplied, of the kernel
+  float rgba[4];  ///< premultiplied
 };
 
 /// Entries are those of BlockSamples. What is kept, and how it is composed, does not depend on the order in

@@ -189,13 +189,6 @@ Status StochasticOptions::validate() const {
 Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& options,
                                    const RenderControl& control) {
   if (Status status = refuse_splats(scene, "the stochastic method"); !status) return status.error();
-  for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    if (!scene.objects[i].cloud.looks.empty() && scene.objects[i].discs() > 0)
-      return Error{
-          "", "/objects/" + std::to_string(i),
-          "is of discs whose colours or opacities change, which the stochastic method does not draw; "
-          "--method sampled does",
-          ErrorKind::unsupported};
   if (Status status = refuse_row_delay(scene, "the stochastic method"); !status) return status.error();
   if (scene.camera.orthographic && options.traversal == Traversal::hierarchy)
     return Error{"", "traversal", "the hierarchy's rays begin in the eye, and the camera is orthographic",
