@@ -157,7 +157,9 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
     if (Status status = refuse_row_delay(scene, "a lens"); !status) return status.error();
   // Rows at instants of their own are stills, too.
   if (exposure.row_delay != 0.0 && exposure.instant()) return render_still(scene, options, control);
-  const bool still = per_interval && nothing_moves(scene, exposure);
+  // Of triangles the sweep is the more precise, and what it is taken apart into flattens to its own picture.
+  const bool swept_by_depth = deep != nullptr && has_triangles(scene);
+  const bool still = per_interval && !swept_by_depth && nothing_moves(scene, exposure);
   std::optional<Rendered> picture;
   if (still) {
     Result<Rendered> rendered = render_still(scene, options, control);
@@ -193,9 +195,6 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
   if (Status status = refuse_splats(scene, "the A-buffer"); !status) return status.error();
   if (Status status = check_rows(scene); !status) return status.error();
   if (Status status = check_meshes(scene, options); !status) return status.error();
-  if (options.deep)
-    if (Status status = refuse_triangles(scene, "the A-buffer in a deep image"); !status)
-      return status.error();
   if (options.deep && scene.shutter.row_delay != 0.0 && scene.exposure().instant())
     return Error{"", "deep", "goes with a row delay only where the shutter is open for some time",
                  ErrorKind::unsupported};

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "abuffer/mesh_layers.h"
 #include "abuffer/parallel.h"
 #include "abuffer/render_valid.h"
 #include "splat/kernel/ray_kernel.h"
@@ -42,7 +43,7 @@ struct SeenDisc {
 struct Pixel {
   double depth = std::numeric_limits<double>::infinity(), tolerance = 0.0;  ///< of the nearest
   int side = 0;  ///< likewise: 1 front, −1 back, 0 not known
-  double weight = 0.0;
+  double weight = 0.0, weighted_depth = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   Eigen::Vector2d forward = Eigen::Vector2d::Zero(), backward = Eigen::Vector2d::Zero();
 };
@@ -75,6 +76,10 @@ class LayerRenderer {
       placed_.push_back({&object, instant_at(scene, object, exposure_, 0.0), middle,
                          instant_at(scene, object, exposure_, 1.0), cofactors,
                          linear.determinant() < 0.0 ? -1.0 : 1.0});
+      if (!object.triangles.empty())
+        meshes_.emplace_back(scene, object,
+                             MeshLayers::Instants{placed_.back().open, middle, placed_.back().close}, film_,
+                             MeshLayers::Choice{choice.normal, choice.motion});
     }
   }
 
@@ -88,7 +93,13 @@ class LayerRenderer {
       band.pixels.resize(static_cast<std::size_t>(band.height) * static_cast<std::size_t>(window_.width));
       for (const Ref& ref : bands_[index]) find_nearest(ref, band);
       for (const Ref& ref : bands_[index]) add(ref, band);
-      store(band);
+      std::vector<MeshFront> meshes;
+      if (!meshes_.empty()) meshes.resize(band.pixels.size());
+      for (const MeshLayers& mesh : meshes_) {
+        throw_if_stopped(stop);
+        mesh.draw({window_.x, band.y, window_.width, band.height}, meshes);
+      }
+      store(band, meshes);
     });
     return std::move(channels_);
   }
@@ -143,7 +154,7 @@ class LayerRenderer {
   void bin() {
     constexpr std::size_t run = 4096;
     for (std::uint32_t object = 0; object < placed_.size(); ++object) {
-      const std::size_t points = placed_[object].object->cloud.size(), runs = (points + run - 1) / run;
+      const std::size_t points = placed_[object].object->discs(), runs = (points + run - 1) / run;
       // By run, first and last band of each point; last < first: not seen.
       std::vector<std::vector<std::pair<int, int>>> found(runs);
       parallel_for_each_index(runs, [&](std::size_t r) {
@@ -249,6 +260,7 @@ class LayerRenderer {
     meet(ref, band, [&](Pixel& pixel, const SeenDisc&, const Eigen::Vector3d& at, int side, double weight) {
       if (at.z() > pixel.depth + pixel.tolerance || side * pixel.side < 0) return;
       pixel.weight += weight;
+      pixel.weighted_depth += weight * at.z();
       pixel.normal += weight * normal;
       if (!choice_.motion) return;
       const Eigen::Vector2d uv = place_on_disc(placed, ref, at);
@@ -267,23 +279,34 @@ class LayerRenderer {
     name(choice_.coverage, {"coverage"});
   }
 
-  void store(const Band& band) {
+  void store(const Band& band, const std::vector<MeshFront>& meshes) {
     std::size_t to = static_cast<std::size_t>(band.y - window_.y) * static_cast<std::size_t>(window_.width);
-    for (const Pixel& pixel : band.pixels) {
-      auto channel = channels_.begin();
-      const auto put = [&](double value) {
-        (channel++)->values[to] = pixel.weight > 0.0 ? static_cast<float>(value) : 0.0f;
-      };
-      if (choice_.normal)
-        for (const double value : Eigen::Vector3d(pixel.normal.stableNormalized())) put(value);
-      if (choice_.motion)
-        for (const Eigen::Vector2d* vector : {&pixel.forward, &pixel.backward})
-          for (const double sum : *vector) put(sum / pixel.weight);
-      if (choice_.coverage)
-        put(scene_.model.coverage == Coverage::hard ? 1.0
+    for (std::size_t p = 0; p < band.pixels.size(); ++p, ++to) {
+      const Pixel& pixel = band.pixels[p];
+      // A mesh is before the discs' surface that is deeper (model section 15).
+      if (!meshes.empty() && meshes[p].places > 0 &&
+          (!(pixel.weight > 0.0) || meshes[p].mean_depth() < pixel.weighted_depth / pixel.weight)) {
+        const MeshFront& mesh = meshes[p];
+        put(to, mesh.normal, mesh.forward / mesh.places, mesh.backward / mesh.places,
+            static_cast<double>(mesh.places) / pixel_places);
+      } else if (pixel.weight > 0.0) {
+        put(to, pixel.normal, pixel.forward / pixel.weight, pixel.backward / pixel.weight,
+            scene_.model.coverage == Coverage::hard ? 1.0
                                                     : std::min(1.0, pixel.weight / scene_.model.edge_weight));
-      ++to;
+      }
     }
+  }
+
+  void put(std::size_t to, const Eigen::Vector3d& normal, const Eigen::Vector2d& forward,
+           const Eigen::Vector2d& backward, double coverage) {
+    auto channel = channels_.begin();
+    const auto next = [&](double value) { (channel++)->values[to] = static_cast<float>(value); };
+    if (choice_.normal)
+      for (const double value : Eigen::Vector3d(normal.stableNormalized())) next(value);
+    if (choice_.motion)
+      for (const Eigen::Vector2d* vector : {&forward, &backward})
+        for (const double value : *vector) next(value);
+    if (choice_.coverage) next(coverage);
   }
 
   const Scene& scene_;
@@ -293,6 +316,7 @@ class LayerRenderer {
   Projection film_;
   PixelFilter filter_;
   std::vector<Placed> placed_;
+  std::vector<MeshLayers> meshes_;
   std::vector<std::vector<Ref>> bands_;
   std::vector<ImageChannel> channels_;
 };
@@ -308,7 +332,6 @@ Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerC
     if (!choice.any()) return std::vector<ImageChannel>();
     if (Status status = refuse_splats(scene, "the pass of the layers"); !status) return status.error();
     if (Status status = refuse_row_delay(scene, "the pass of the layers"); !status) return status.error();
-    if (Status status = refuse_triangles(scene, "the pass of the layers"); !status) return status.error();
     return run_in_arena(
         control,
         [&]() -> Layers {

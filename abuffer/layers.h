@@ -18,7 +18,8 @@ struct LayerChoice {
 };
 
 /// Channels over the film's window, of the nearest surface at the middle of the exposure: the mean over its
-/// discs, weighted by their kernels. Not premultiplied; 0 where there is none.
+/// discs, weighted by their kernels, or over what the places of the pixel meet first of a mesh. Not
+/// premultiplied; 0 where there is none.
 ///
 ///   normal.x, .y, .z      unit, in world space, of the side that is seen
 ///   forward.u, .v         where the surface goes to on the film until the shutter closes, in px per frame: u

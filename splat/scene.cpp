@@ -1,5 +1,6 @@
 #include "splat/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -39,8 +40,40 @@ Status validate(const TransformTrack& track) {
   return Done{};
 }
 
+Status validate_materials(const Object& object) {
+  if (object.texture && !object.materials.empty())
+    return bad("/materials", "do not go with a texture of all");
+  if (object.materials.empty() != object.material_of.empty())
+    return bad("/material_of", "goes with materials, and these with it");
+  if (!object.materials.empty() && object.material_of.size() != object.triangles.size())
+    return bad("/material_of", "must be one for each of the " + std::to_string(object.triangles.size()) +
+                                   " triangles; there are " + std::to_string(object.material_of.size()));
+  for (std::size_t t = 0; t < object.material_of.size(); ++t)
+    if (object.material_of[t] >= object.materials.size())
+      return bad("/material_of/" + std::to_string(t), "names material " +
+                                                          std::to_string(object.material_of[t]) + " of " +
+                                                          std::to_string(object.materials.size()));
+  for (std::size_t m = 0; m < object.materials.size(); ++m) {
+    const Material& material = object.materials[m];
+    const std::string at = "/materials/" + std::to_string(m);
+    if (!(material.color.cwiseAbs().maxCoeff() <= most_color))
+      return bad(at + "/color", "must be between -1e30 and 1e30");
+    if (!(material.opacity >= 0.0f && material.opacity <= 1.0f))
+      return bad(at + "/opacity", "must lie in [0, 1]");
+    if (material.texture)
+      if (Status texture = material.texture->validate(); !texture)
+        return within(at + "/texture", texture.error());
+  }
+  return Done{};
+}
+
+bool has_texture(const Object& object) {
+  return object.texture || std::any_of(object.materials.begin(), object.materials.end(),
+                                       [](const Material& material) { return material.texture != nullptr; });
+}
+
 Status validate_texture(const Object& object) {
-  if (!object.texture)
+  if (!has_texture(object))
     return object.texture_corners.empty() ? Status(Done{})
                                           : bad("/texture_corners", "there is no texture for them");
   if (object.triangles.empty()) return bad("/texture", "there are no triangles for it");
@@ -52,7 +85,8 @@ Status validate_texture(const Object& object) {
     for (const Eigen::Vector2f& uv : object.texture_corners[t])
       if (!(std::abs(uv.x()) <= most_texture_coordinate && std::abs(uv.y()) <= most_texture_coordinate))
         return bad("/texture_corners/" + std::to_string(t), "must be between -1e6 and 1e6");
-  if (Status texture = object.texture->validate(); !texture) return within("/texture", texture.error());
+  if (object.texture)
+    if (Status texture = object.texture->validate(); !texture) return within("/texture", texture.error());
   return Done{};
 }
 
@@ -69,6 +103,7 @@ Status validate(const Object& object) {
       if (corner >= object.cloud.size())
         return bad("/triangles/" + std::to_string(t),
                    "names point " + std::to_string(corner) + " of " + std::to_string(object.cloud.size()));
+  if (Status materials = validate_materials(object); !materials) return materials;
   if (Status texture = validate_texture(object); !texture) return texture;
   if (Status track = validate(object.transform); !track) return within("/transform", track.error());
   if (object.segments < 0 || object.segments > max_segments)
@@ -167,7 +202,7 @@ Status refuse_looks(const Scene& scene, std::string_view renderer) {
 
 Status refuse_textures(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    if (scene.objects[i].texture)
+    if (has_texture(scene.objects[i]))
       return Error{"", "/objects/" + std::to_string(i) + "/texture",
                    "is not drawn by " + std::string(renderer) + "; --method sampled does",
                    ErrorKind::unsupported};

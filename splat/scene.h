@@ -93,16 +93,35 @@ struct SplatModel {
   double clip_frames = usual_clip_frames;
 };
 
+/// What multiplies colours and opacities of some of a mesh's triangles.
+struct Material {
+  std::string name;
+  Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear Rec.709
+  float opacity = 1.0f;                             ///< [0, 1]
+  std::shared_ptr<const Texture> texture;           ///< or null: multiplies them, too
+
+  /// Of premultiplied colours, before the texture.
+  [[nodiscard]] Eigen::Vector4f tint() const {
+    Eigen::Vector4f tint;
+    tint << opacity * color, opacity;
+    return tint;
+  }
+};
+
 /// Discs, triangles or splats.
 struct Object {
   std::string name;
   SurfelCloud cloud;
   /// Between points of the cloud. Not empty: these are drawn in place of discs, with colours and opacities
-  /// that change evenly from corner to corner (model section 15).
+  /// that change evenly from corner to corner (model section 15). Normals of points are those of their discs.
   std::vector<Triangle> triangles;
   /// Of these, with their corners' places on it, one a triangle: multiplies colour and opacity. Both or none.
   std::shared_ptr<const Texture> texture;
   std::vector<TextureCorners> texture_corners;
+  /// What the triangles are made of, and of which each is. Both or none; not beside `texture`. Where any has
+  /// a texture, texture_corners are the places on it.
+  std::vector<Material> materials;
+  std::vector<std::uint32_t> material_of;
   SplatCloud splats;  ///< empty, or the cloud is
   TransformTrack transform;
   bool two_sided =
@@ -111,6 +130,15 @@ struct Object {
 
   /// What is drawn of the cloud.
   [[nodiscard]] std::size_t discs() const { return triangles.empty() ? cloud.size() : 0; }
+  /// What is laid over a triangle; null: nothing.
+  [[nodiscard]] const Texture* texture_of(std::size_t triangle) const {
+    return material_of.empty() ? texture.get() : materials[material_of[triangle]].texture.get();
+  }
+  /// What multiplies the premultiplied colours of a triangle's corners.
+  [[nodiscard]] Eigen::Vector4f tint_of(std::size_t triangle) const {
+    return material_of.empty() ? Eigen::Vector4f(Eigen::Vector4f::Ones())
+                               : materials[material_of[triangle]].tint();
+  }
 };
 
 struct Scene {

@@ -371,13 +371,6 @@ TEST(DeepCommand, MethodsAndScenesThatCannotAreRefusedByName) {
   EXPECT_EQ(per_pixel.exit_code, 2);
   EXPECT_NE(per_pixel.err.find("--normalisation"), std::string::npos) << per_pixel.err;
   EXPECT_EQ(folder.names().size(), 1u);
-  test::put(folder / "mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const test::Outcome triangles =
-      run_command(SWEPT_COMMAND " render '" + (folder / "mesh.obj") + "' --draw triangles --exact -o '" +
-                  (folder / "flat.exr") + "' --deep '" + (folder / "deep.exr") + "'");
-  EXPECT_EQ(triangles.exit_code, 1);
-  EXPECT_NE(triangles.err.find("triangles"), std::string::npos) << triangles.err;
-  EXPECT_EQ(folder.names().size(), 2u);
 
   Scene rows = test::busy_scene();
   rows.shutter.close = rows.shutter.open;

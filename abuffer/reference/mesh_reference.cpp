@@ -34,9 +34,7 @@ Eigen::Vector4d texture_at(const Texture& texture, const Eigen::Vector2d& uv) {
 }  // namespace
 
 MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
-    : projection_(projection_of(scene.film, scene.camera.at(frame))),
-      near_(scene.camera.near),
-      texture_(object.texture) {
+    : projection_(projection_of(scene.film, scene.camera.at(frame))), near_(scene.camera.near) {
   const Film& film = scene.film;
   const PixelBox window{film.crop_x, film.crop_y, film.crop_x + film.window_width(),
                         film.crop_y + film.window_height()};
@@ -47,13 +45,21 @@ MeshAt::MeshAt(const Scene& scene, const Object& object, double frame)
   for (std::size_t t = 0; t < object.triangles.size(); ++t) {
     const Triangle& triangle = object.triangles[t];
     Corners corners;
+    Eigen::Vector4d tint = Eigen::Vector4d::Ones();
+    corners.texture = object.texture.get();
+    if (!object.materials.empty()) {
+      const Material& material = object.materials[object.material_of[t]];
+      const double opacity = double{material.opacity};
+      tint << opacity * material.color.cast<double>(), opacity;
+      corners.texture = material.texture.get();
+    }
     bool in_front = true;
     Eigen::Array2d low = Eigen::Array2d::Constant(1e30), high = -low;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t point = triangle[i];
       corners.at[i] = instant.to_camera(surfel_at(object.cloud, point, frame).position);
-      corners.color[i] = light_of(object.cloud, point, frame);
-      if (texture_) corners.uv[i] = object.texture_corners[t][i].cast<double>();
+      corners.color[i] = tint.cwiseProduct(light_of(object.cloud, point, frame));
+      if (corners.texture != nullptr) corners.uv[i] = object.texture_corners[t][i].cast<double>();
       in_front = in_front && corners.at[i].z() > near_;
       const Eigen::Array2d film_at =
           Eigen::Array2d(projection_.center_x, projection_.center_y) +
@@ -101,9 +107,10 @@ void MeshAt::meet(int x, int y, std::vector<Surface>& surfaces) const {
       const Eigen::Vector3d& share = hit->share;
       Eigen::Vector4d color =
           share[0] * corners.color[0] + share[1] * corners.color[1] + share[2] * corners.color[2];
-      if (texture_)
-        color = color.cwiseProduct(texture_at(
-            *texture_, share[0] * corners.uv[0] + share[1] * corners.uv[1] + share[2] * corners.uv[2]));
+      if (corners.texture != nullptr)
+        color = color.cwiseProduct(
+            texture_at(*corners.texture,
+                       share[0] * corners.uv[0] + share[1] * corners.uv[1] + share[2] * corners.uv[2]));
       hits[k].push_back({hit->depth, color});
     }
     std::stable_sort(hits[k].begin(), hits[k].end(),

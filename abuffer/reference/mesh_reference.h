@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +13,7 @@ namespace swept::reference {
 
 class MeshAt {
  public:
+  /// The object's textures must outlive it.
   MeshAt(const Scene& scene, const Object& object, double frame);
 
   /// Appends what the mesh shows in pixel (x, y) of the film.
@@ -23,13 +23,13 @@ class MeshAt {
   struct Corners {
     Eigen::Vector3d at[3];     ///< camera space
     Eigen::Vector4d color[3];  ///< premultiplied
-    Eigen::Vector2d uv[3];     ///< on the texture, if there is one
+    const Texture* texture;    ///< the object's, or null
+    Eigen::Vector2d uv[3];     ///< on it
     PixelBox box;              ///< contains every pixel that may show it
   };
 
   Projection projection_;
   double near_;
-  std::shared_ptr<const Texture> texture_;
   std::vector<Corners> triangles_;
   std::vector<std::vector<std::uint32_t>> of_row_;  ///< triangles, by the film's row less first_row_
   int first_row_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "abuffer/resolve/place_depths.h"
 #include "abuffer/resolve/texel_cuts.h"
 #include "splat/without_throwing.h"
 
@@ -54,17 +55,17 @@ void ExactPixel::add(const TrianglesOfPixel& of, PixelSum& pixel) {
   const std::uint32_t mesh = of.triangles[of.intervals.front().source].mesh;
   if (std::all_of(of.intervals.begin(), of.intervals.end(),
                   [&](const PlaceInterval& i) { return of.triangles[i.source].mesh == mesh; })) {
-    add_one_mesh(of, sum);
+    add_one_mesh(of, sum, pixel.by_depth);
   } else {
     ++pixels_of_several_meshes;
-    meshes_.begin(of.intervals, of.triangles, of.rays, of.light, places_);
+    meshes_.begin(of.intervals, of.triangles, of.rays, of.light, places_, pixel.by_depth);
     meshes_.add(of.light.from(), of.light.to(), sum);
   }
   put(sum, pixel);
 }
 
 /// Place by place.
-void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum) {
+void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum, DepthSum* by_depth) {
   for (std::size_t first = 0; first < of.intervals.size();) {
     std::size_t last = first + 1;
     while (last < of.intervals.size() && of.intervals[last].place == of.intervals[first].place) ++last;
@@ -82,7 +83,12 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum) {
       between_cuts(piece.begin, piece.end, cuts_, [&](double begin, double end) {
         add_light(
             of.light.share(begin), of.light.share(end), even, of.light,
-            [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place);
+            [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place,
+            [&](double first_share, double last_share) {
+              if (by_depth != nullptr)
+                add_depths(seen, of.triangles, ray, of.light, first_share, last_share, 1.0 / pixel_places,
+                           *by_depth);
+            });
       });
     }
     sum.add(of_place, 1.0 / pixel_places);
@@ -93,7 +99,7 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum) {
 void ExactPixel::add(const DiscsOfPixel& discs, const TrianglesOfPixel& of, PixelSum& pixel,
                      SweepCounters& counters) {
   LightSum sum;
-  meshes_.begin(of.intervals, of.triangles, of.rays, of.light, places_);
+  meshes_.begin(of.intervals, of.triangles, of.rays, of.light, places_, pixel.by_depth);
   breaks_.clear();
   for (const double time : meshes_.times()) {
     const Ticks ticks = ticks_of(std::clamp(of.light.share(time), 0.0, 1.0));

@@ -56,7 +56,7 @@ class ExactPixel {
   std::uint64_t pixels_of_several_meshes = 0;
 
  private:
-  void add_one_mesh(const TrianglesOfPixel& triangles, LightSum& sum);
+  void add_one_mesh(const TrianglesOfPixel& triangles, LightSum& sum, DepthSum* by_depth);
 
   SurfaceModel model_;
   StillPixel still_;

@@ -22,10 +22,13 @@ struct Pixels {
   }
 };
 
-void lay_over(const Texture& texture, const MeshLayer& layer, MeshColors& colors) {
+void lay_textures_over(const std::vector<PlacedTriangle>& placed, const MeshLayer& layer,
+                       MeshColors& colors) {
   for (int k = 0; k < pixel_places; ++k) {
     if (layer.triangle[k] < 0.0f) continue;
-    const Eigen::Vector4f texel = texture.at(colors.uv[0][k], colors.uv[1][k]);
+    const Texture* const texture = placed[static_cast<std::size_t>(layer.triangle[k])].texture;
+    if (texture == nullptr) continue;
+    const Eigen::Vector4f texel = texture->at(colors.uv[0][k], colors.uv[1][k]);
     for (int c = 0; c < 4; ++c) colors.rgba[c][k] *= texel[c];
   }
 }
@@ -76,7 +79,6 @@ void MeshCell::draw_row(const PlacedTriangle& placed, int x_begin, int x_end, in
 /// light that those before it let through.
 void MeshCell::shade(const MeshInstant& mesh, const Cell& cell, std::size_t begin, std::size_t end,
                      std::vector<SampledCell::Surface>& surfaces) const {
-  const Texture* const texture = mesh.object().texture.get();
   const int x = sorted_[begin].pixel % cell_px, y = sorted_[begin].pixel / cell_px;
   const double film_x = cell.x + x + 0.5, film_y = cell.y + y + 0.5;
   const bool parallel = mesh.projection().orthographic;
@@ -93,7 +95,7 @@ void MeshCell::shade(const MeshInstant& mesh, const Cell& cell, std::size_t begi
       if (t < 0.0f || std::find(next.triangle, next.triangle + k, t) != next.triangle + k) continue;
       math_.color(placed_.data(), static_cast<std::uint32_t>(t), film_x, film_y, next, colors);
     }
-    if (texture != nullptr) lay_over(*texture, next, colors);
+    if (!mesh.object().texture_corners.empty()) lay_textures_over(placed_, next, colors);
     float seen[4] = {0.0f, 0.0f, 0.0f, 0.0f}, depth = 0.0f, after = 0.0f;
     for (int k = 0; k < pixel_places; ++k) {
       constexpr float per_place = 1.0f / pixel_places;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "abuffer/resolve/place_depths.h"
 #include "abuffer/resolve/texel_cuts.h"
 #include "splat/without_throwing.h"
 
@@ -90,6 +91,30 @@ LightSum MeshPixel::light_at(double time) {
   return sum;
 }
 
+/// Of what light_at() saw at the nodes of these shares of light.
+void MeshPixel::add_depths(double first, double last) {
+  for_each_node(first, last, *light_, [&](double time, double weight, double begin, double end) {
+    look(begin);
+    as_begins_ = surfaces_;
+    look(end);
+    as_ends_ = surfaces_;
+    look(time);
+    const auto depth = [](const std::vector<Surface>& of, const Surface& surface) {
+      for (const Surface& s : of)
+        if (s.mesh == surface.mesh && s.layer == surface.layer) return s.depth;
+      return surface.depth;
+    };
+    double left = 1.0;
+    for (const Surface& surface : surfaces_) {
+      double rgba[4];
+      for (int c = 0; c < 4; ++c) rgba[c] = weight * left * surface.rgba[c];
+      by_depth_->add(depth(as_begins_, surface), depth(as_ends_, surface), rgba);
+      left *= 1.0 - surface.rgba[3];
+      if (left < double{opaque_transmittance}) break;
+    }
+  });
+}
+
 MeshPixel::Order MeshPixel::order_at(double time) {
   look(time);
   Order order;
@@ -104,11 +129,13 @@ MeshPixel::Order MeshPixel::order_at(double time) {
 }
 
 void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
-                      const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep) {
+                      const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep,
+                      DepthSum* by_depth) {
   triangles_ = &triangles;
   rays_ = &rays;
   light_ = &light;
   sweep_ = &sweep;
+  by_depth_ = by_depth;
   tracks_.clear();
   times_.clear();
   next_time_ = 0;
@@ -180,8 +207,10 @@ void MeshPixel::add_between_events(double begin, double end, LightSum& sum) {
     }
     between_cuts(from, to, cuts_, [&](double a, double b) {
       add_light(
-          light_->share(a), light_->share(b), even, *light_, [&](double time) { return light_at(time); },
-          sum);
+          light_->share(a), light_->share(b), even, *light_, [&](double time) { return light_at(time); }, sum,
+          [&](double first, double last) {
+            if (by_depth_ != nullptr) add_depths(first, last);
+          });
     });
   };
   const bool may_cross =

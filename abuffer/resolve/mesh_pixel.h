@@ -20,9 +20,10 @@ using PlaceRays = std::array<Eigen::Vector3d, pixel_places>;
 class MeshPixel {
  public:
   /// Of a pixel: `intervals` of all places and meshes, which it sorts. All it is given must outlive what is
-  /// done with the pixel.
+  /// done with the pixel. Where there is a `by_depth` it gathers what is added, too.
   void begin(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
-             const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep);
+             const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep,
+             DepthSum* by_depth = nullptr);
   /// Nothing of it is nearer.
   [[nodiscard]] float nearest() const { return nearest_; }
   /// When any of it begins, ends or changes; increasing.
@@ -56,17 +57,19 @@ class MeshPixel {
   void mesh_surfaces(std::size_t first, std::size_t last, double time);
   void merge_discs(double time);
   void add_between_events(double begin, double end, LightSum& sum);
+  void add_depths(double first, double last);
 
   const std::vector<TriangleStretch>* triangles_ = nullptr;
   const PlaceRays* rays_ = nullptr;
   const LightOverTime* light_ = nullptr;
   PlaceSweep* sweep_ = nullptr;
+  DepthSum* by_depth_ = nullptr;
   bool plain_ = false;  ///< no triangle changes its colour from place to place
   float nearest_ = 0.0f;
   const SurfaceModel* model_ = nullptr;
   std::vector<Track> tracks_;
   std::vector<std::size_t> on_;  ///< tracks, by mesh
-  std::vector<Surface> surfaces_, merged_;
+  std::vector<Surface> surfaces_, merged_, as_begins_, as_ends_;
   std::vector<double> times_, cuts_;
   std::size_t next_time_ = 0;  ///< of times_: none before it is later than what was added
   // Of add():

@@ -23,24 +23,30 @@ struct LightSum {
   }
 };
 
+/// Of Gauss's three on [0, 1], from the first on.
+struct LightNode {
+  double at, weight;
+};
+inline constexpr LightNode light_nodes[3] = {{0.5 - 0.38729833462074168852, 5.0 / 18.0},  // √0.6/2
+                                             {0.5, 8.0 / 18.0},
+                                             {0.5 + 0.38729833462074168852, 5.0 / 18.0}};
+
 /// Adds ∫ at(time) ds over the shares of light from `first` to `last`. `even`: colours are known not to
-/// change.
-template <class At>
-void add_light(double first, double last, bool even, const LightOverTime& light, const At& at,
-               LightSum& sum) {
+/// change. Calls part(a, b) for each stretch of it that was summed up by its own nodes.
+template <class At, class Part>
+void add_light(double first, double last, bool even, const LightOverTime& light, const At& at, LightSum& sum,
+               const Part& part) {
   struct Nodes {
     LightSum mean;
     double spread = 0.0;
   };
   const auto nodes = [&](double a, double b) {
-    constexpr double offset = 0.38729833462074168852, side = 5.0 / 18.0, middle = 8.0 / 18.0;  // √0.6/2
-    const LightSum looks[3] = {at(light.time(a + (0.5 - offset) * (b - a))),
-                               at(light.time(0.5 * a + 0.5 * b)),
-                               at(light.time(a + (0.5 + offset) * (b - a)))};
+    LightSum looks[3];
     Nodes n;
-    n.mean.add(looks[0], side);
-    n.mean.add(looks[1], middle);
-    n.mean.add(looks[2], side);
+    for (int k = 0; k < 3; ++k) {
+      looks[k] = at(light.time(a + light_nodes[k].at * (b - a)));
+      n.mean.add(looks[k], light_nodes[k].weight);
+    }
     for (int c = 0; c < 4; ++c)
       n.spread = std::max(
           {n.spread, std::abs(looks[0].v[c] - looks[1].v[c]), std::abs(looks[2].v[c] - looks[1].v[c])});
@@ -49,6 +55,7 @@ void add_light(double first, double last, bool even, const LightOverTime& light,
   const auto refine = [&](const auto& self, double a, double b, const Nodes& whole, int halvings) -> void {
     if (even || halvings == 0 || !(whole.spread > 0x1p-10)) {
       sum.add(whole.mean, b - a);
+      part(a, b);
       return;
     }
     const double half = 0.5 * a + 0.5 * b;
@@ -61,12 +68,19 @@ void add_light(double first, double last, bool even, const LightOverTime& light,
     if (off <= 1e-7 * most) {
       sum.add(left.mean, half - a);
       sum.add(right.mean, b - half);
+      part(a, half);
+      part(half, b);
       return;
     }
     self(self, a, half, left, halvings - 1);
     self(self, half, b, right, halvings - 1);
   };
   if (first < last) refine(refine, first, last, nodes(first, last), 10);
+}
+template <class At>
+void add_light(double first, double last, bool even, const LightOverTime& light, const At& at,
+               LightSum& sum) {
+  add_light(first, last, even, light, at, sum, [](double, double) {});
 }
 
 /// What a place sees of a mesh at a time at which it sees these triangles in this order.

@@ -7,6 +7,10 @@
 
 #include "splat/interval/pixel_places.h"
 
+namespace SWEPT_API swept {
+struct Texture;
+}
+
 namespace swept {
 
 /// a·x + b·y + c of film coordinates, px.
@@ -28,8 +32,9 @@ struct PlacedTriangle {
   bool cut;              ///< that may happen
   bool plain;            ///< all corners have the first one's colour
   float rgba[3][4];      ///< premultiplied
-  bool textured;         ///< uv[] matter
-  float uv[3][2];        ///< of the corners, on the texture
+  bool textured;         ///< uv[] matter, on
+  const Texture* texture;
+  float uv[3][2];  ///< of the corners, on the texture
 };
 
 /// A triangle and a pixel of a cell.

@@ -99,9 +99,12 @@ Result<MovingMesh> MovingMesh::follow(const Scene& scene, const Object& object, 
   MovingMesh mesh;
   mesh.object_ = &object;
   mesh.open_ = exposure.open, mesh.close_ = exposure.close;
-  if (object.texture)
-    mesh.opaque_texture_ = std::all_of(object.texture->texels.begin(), object.texture->texels.end(),
-                                       [](const Eigen::Vector4f& texel) { return texel.w() >= 1.0f; });
+  const auto opaque = [](const std::shared_ptr<const Texture>& texture) {
+    return !texture || std::all_of(texture->texels.begin(), texture->texels.end(),
+                                   [](const Eigen::Vector4f& texel) { return texel.w() >= 1.0f; });
+  };
+  if (object.materials.empty()) mesh.opaque_textures_.push_back(opaque(object.texture));
+  for (const Material& material : object.materials) mesh.opaque_textures_.push_back(opaque(material.texture));
   const SurfelCloud& cloud = object.cloud;
   const Looks looks(scene, object, exposure);
   const auto end_at = [&](double shutter_time, double middle_frame) {

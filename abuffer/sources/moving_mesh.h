@@ -35,8 +35,10 @@ class MovingMesh {
   [[nodiscard]] double time(std::size_t s) const { return times_[s]; }
   /// The frame in which stretch `s` begins. Colours change evenly over each stretch.
   [[nodiscard]] double frame(std::size_t s) const { return open_ + times_[s] * (close_ - open_); }
-  /// Whether no light comes through its texture, if it has one.
-  [[nodiscard]] bool opaque_texture() const { return opaque_texture_; }
+  /// Whether no light comes through a triangle's texture, if it has one.
+  [[nodiscard]] bool opaque_texture(std::size_t triangle) const {
+    return opaque_textures_[object_->material_of.empty() ? 0 : object_->material_of[triangle]] != 0;
+  }
   /// Of a point: degree() + 1.
   [[nodiscard]] const Eigen::Vector3d* path(std::size_t stretch, std::size_t point) const {
     return &controls_[(stretch * object_->cloud.size() + point) * static_cast<std::size_t>(degree_ + 1)];
@@ -47,8 +49,8 @@ class MovingMesh {
 
   const Object* object_ = nullptr;
   int degree_ = 1;
-  double open_ = 0.0, close_ = 0.0;  ///< frames
-  bool opaque_texture_ = true;
+  double open_ = 0.0, close_ = 0.0;    ///< frames
+  std::vector<char> opaque_textures_;  ///< by material, or of all
   std::vector<double> times_;
   std::vector<char> mirrored_;  ///< by stretch
   std::vector<Eigen::Vector3d> controls_;

@@ -61,12 +61,14 @@ std::optional<PlacedTriangle> place_triangle(const MeshInstant& mesh, std::size_
   placed.cut = !(z[0] >= mesh.near() && z[1] >= mesh.near() && z[2] >= mesh.near());
   placed.plain = true;
   const LooksAt looks(object.cloud, mesh.frame());
+  const Eigen::Vector4f tint = object.tint_of(triangle);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Eigen::Vector4f rgba = looks[object.triangles[triangle][i]];
+    const Eigen::Vector4f rgba = looks[object.triangles[triangle][i]].cwiseProduct(tint);
     for (int c = 0; c < 4; ++c) placed.rgba[i][c] = rgba[c];
     placed.plain = placed.plain && std::equal(placed.rgba[i], placed.rgba[i] + 4, placed.rgba[0]);
   }
-  placed.textured = object.texture != nullptr;
+  placed.texture = object.texture_of(triangle);
+  placed.textured = placed.texture != nullptr;
   if (placed.textured) {
     const TextureCorners& corners = object.texture_corners[triangle];
     // The picture repeats: near zero there are more digits.

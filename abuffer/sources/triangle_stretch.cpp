@@ -96,6 +96,7 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
   PathPoints path[3];
   nearest_ = INFINITY, farthest_ = -INFINITY;
   cut_ = false;
+  const Eigen::Vector4f tint = object.tint_of(t);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t point = object.triangles[t][i];
     const Eigen::Vector3d* controls = of.path(stretch, point);
@@ -109,8 +110,8 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
       farthest_ = std::max(farthest_, controls[k].z());
       cut_ = cut_ || !(controls[k].z() >= near);
     }
-    const Eigen::Vector4f first = LooksAt(object.cloud, of.frame(stretch))[point],
-                          last = LooksAt(object.cloud, of.frame(stretch + 1))[point];
+    const Eigen::Vector4f first = LooksAt(object.cloud, of.frame(stretch))[point].cwiseProduct(tint),
+                          last = LooksAt(object.cloud, of.frame(stretch + 1))[point].cwiseProduct(tint);
     for (int c = 0; c < 4; ++c) rgba[i][c] = first[c], more[i][c] = last[c] - first[c];
   }
   nearest_ = std::max(nearest_, near);
@@ -120,12 +121,12 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     for (const float change : more[i]) plain = plain && change == 0.0f;
     opaque = opaque && rgba[i][3] >= 1.0f && rgba[i][3] + more[i][3] >= 1.0f;
   }
-  if (object.texture) {
-    texture = object.texture.get();
+  texture = object.texture_of(t);
+  if (texture != nullptr) {
     for (std::size_t i = 0; i < 3; ++i)
       uv[i][0] = object.texture_corners[t][i].x(), uv[i][1] = object.texture_corners[t][i].y();
     plain = false;
-    opaque = opaque && of.opaque_texture();
+    opaque = opaque && of.opaque_texture(t);
   }
   for (std::size_t i = 0; i < 3; ++i) edge_[i] = EdgeFunction(path[(i + 1) % 3], path[(i + 2) % 3], degree_);
   // Counter-clockwise from the front: all edge functions are below 0 there.

@@ -59,9 +59,15 @@ void MeshPaths::cut_at_keys(const Scene& scene, const Exposure& exposure) {
 MeshPaths::MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure)
     : object_(&object), open_(exposure.open), close_(exposure.close) {
   if (!object.cloud.looks.empty()) opaque_looks_ = !object.cloud.see_through();
-  if (object.texture)
-    for (const Eigen::Vector4f& texel : object.texture->texels)
-      opaque_looks_ = opaque_looks_ && texel.w() >= 1.0f;
+  const auto look_through = [&](const std::shared_ptr<const Texture>& texture) {
+    if (texture)
+      for (const Eigen::Vector4f& texel : texture->texels) opaque_looks_ = opaque_looks_ && texel.w() >= 1.0f;
+  };
+  look_through(object.texture);
+  for (const Material& material : object.materials) {
+    look_through(material.texture);
+    opaque_looks_ = opaque_looks_ && material.opacity >= 1.0f;
+  }
   // The shutter's curve says when samples look, and not how things move.
   const Exposure even{exposure.open, exposure.close};
   const Instant middle = instant_at(scene, object, even, 0.5);

@@ -239,11 +239,14 @@ void MovingTriangle::add_light(const Eigen::Vector3d& shares, double (&rgba)[4])
       rgba[c] += share * opacity * (cloud.color.empty() ? 1.0 : double{cloud.color[corner_[i]][c]});
     rgba[3] += share * opacity;
   }
-  if (!object.texture) return;
+  const Eigen::Vector4f tint = object.tint_of(triangle_);
+  for (int c = 0; c < 4; ++c) rgba[c] *= double{tint[c]};
+  const Texture* const texture = object.texture_of(triangle_);
+  if (texture == nullptr) return;
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
     uv += shares[static_cast<Eigen::Index>(i)] * object.texture_corners[triangle_][i].cast<double>();
-  const Eigen::Vector4f texel = object.texture->at(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
+  const Eigen::Vector4f texel = texture->at(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
   for (int c = 0; c < 4; ++c) rgba[c] *= double{texel[c]};
 }
 

@@ -13,6 +13,7 @@
 #include "splat/io/camera_file.h"
 #include "splat/io/frame_points.h"
 #include "splat/io/guarded.h"
+#include "splat/io/obj_materials.h"
 #include "splat/io/point_file.h"
 #include "splat/io/sequence.h"
 #include "splat/io/splat_file.h"
@@ -288,6 +289,8 @@ Result<CloudScene> make_scene(const std::string& path, const std::string& folder
     if (!first) return first.error();
     file = std::move(*first);
   }
+  // So are materials.
+  if (overrides.draw == DrawAs::triangles && !io::files_of_obj_materials(file).empty()) sample->colors = true;
   const Convention convention = convention_of(file, *sample, overrides.up);
   const double width = length_or(overrides, "/film/width", 1920.0),
                height = length_or(overrides, "/film/height", 1080.0);

@@ -10,6 +10,7 @@
 #include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
 #include "splat/io/normal_looks.h"
+#include "splat/io/mesh_normals.h"
 #include "splat/io/sequence_looks.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -31,6 +32,8 @@ void leave_rates(ReadOptions& options) {
 ReadOptions read_options(const CloudSource& source) {
   ReadOptions options;
   options.texture = source.texture;
+  options.corner_normals = source.triangles;
+  options.materials = source.materials;
   options.attributes = source.attributes;
   options.delta = source.delta;
   options.skip_invalid = source.skip_invalid;
@@ -59,6 +62,7 @@ Result<EstimatedSurfels> discs_of(PointSet& set, const CloudSource& source) {
     discs->pose = {set.position, std::move(set.axis_u), std::move(set.axis_v)};
   } else if (!set.triangle.empty()) {
     discs = surfels_from_mesh(set.position, set.triangle);
+    if (discs && source.triangles) turn_along_normals(set, discs->pose);
   } else {
     discs = surfels_from_cloud(set);
   }
@@ -177,6 +181,9 @@ void take_velocity(PointSet& set, const CloudSource& source, LoadedCloud& loaded
 Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame, const CloudSource& source) {
   LoadedCloud loaded;
   loaded.report = std::move(set.report);
+  if (source.triangles && !set.triangle.empty())
+    if (std::string normals = io::what_normals_are(set); !normals.empty())
+      loaded.report.assumed.push_back(std::move(normals));
   loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
   if (discs.oriented && discs.unoriented.size() < loaded.cloud.size()) {
     loaded.cloud.oriented.assign(loaded.cloud.size(), 1);
@@ -201,6 +208,7 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   loaded.cloud.opacity = std::move(set.opacity);
   loaded.triangles = std::move(set.triangle);
   loaded.texture_corners = std::move(set.texture_corners);
+  loaded.materials = std::move(set.materials);
   take_velocity(set, source, loaded);
   if (source.stamps)
     if (Status s = io::take_stamps(set, source, loaded); !s) return s.error();
@@ -208,7 +216,8 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
 }
 
 Result<LoadedCloud> first_key(PointSet set, double frame, const CloudSource& source) {
-  const bool normals_unused = !set.triangle.empty() && !set.normal.empty() && set.axis_u.empty();
+  const bool normals_unused =
+      !source.triangles && !set.triangle.empty() && !set.normal.empty() && set.axis_u.empty();
   Result<EstimatedSurfels> discs = discs_of(set, source);
   if (!discs) return discs.error();
   if (normals_unused)
@@ -430,6 +439,7 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
     }
     if (!loaded) return in_file(loaded.error(), files[from].path);
     if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
+    if (!loaded->materials.names.empty()) loaded->materials_of = files[from].path;
     if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
       loaded->report.assumed.push_back(std::move(changes));
     if (source.color_by_normals && !source.color)

@@ -59,6 +59,10 @@ struct CloudSource {
   KeyPath path = KeyPath::linear;         ///< of several files
   std::optional<TimeStamps> stamps;       ///< of a single file
   bool texture = false;                   ///< as ReadOptions::texture
+  /// Triangles are to be drawn, of files that have them: a₁ × a₂ is along the normals that the file gives,
+  /// and else along mesh_normals() of each key.
+  bool triangles = false;
+  bool materials = false;  ///< as ReadOptions::materials
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
@@ -66,6 +70,8 @@ struct LoadedCloud {
   SurfelCloud cloud;
   std::vector<Triangle> triangles;              ///< of meshes, between points of the cloud
   std::vector<TextureCorners> texture_corners;  ///< one a triangle, if they were asked for and are there
+  MaterialNames materials;                      ///< likewise, with the path of the file that has them
+  std::string materials_of;
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };

@@ -44,7 +44,17 @@ struct ReadOptions {
   bool stamps = false;  ///< read `time` by its usual names
   bool texture =
       false;  ///< read texture coordinates: OBJ's vt, PLY's s and t of vertices or texcoord of faces
-  bool skip_invalid = false;  ///< drop points with NaN or infinite numbers; else they are an error
+  bool materials = false;       ///< read OBJ's usemtl and mtllib, by name, and vt where corners have them
+  bool corner_normals = false;  ///< read OBJ's vn where corners of faces name them; else of points alone
+  bool skip_invalid = false;    ///< drop points with NaN or infinite numbers; else they are an error
+};
+
+/// Which materials the triangles of an OBJ file are made of, by name.
+struct MaterialNames {
+  std::vector<std::string> files;          ///< as mtllib says them
+  std::vector<std::string> names;          ///< as usemtl does; the first is "", of faces before any
+  std::vector<std::uint32_t> of_triangle;  ///< indices of names
+  std::vector<std::uint8_t> on_texture;    ///< by triangle: whether all its corners have a place on a texture
 };
 
 /// The points of one file, object space. Optional arrays are empty or have one entry per point.
@@ -62,6 +72,7 @@ struct PointSet {
   std::vector<std::int64_t> id;  ///< names of points, the same in every file of a sequence
   std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
   std::vector<TextureCorners> texture_corners;         ///< if ReadOptions asked for them: one a triangle
+  MaterialNames materials;                             ///< if ReadOptions asked for them, and there are any
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
   ReadReport report;                                   ///< what was read, and what was not
 

@@ -8,6 +8,7 @@
 
 #include "splat/io/guarded.h"
 #include "splat/io/json_text.h"
+#include "splat/io/obj_materials.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/scene_splats.h"
 #include "splat/io/source_files.h"
@@ -67,6 +68,8 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.normals_toward = source.normals_toward;
   cloud.delta = scene.model.delta;
   cloud.path = scene.motion.path;
+  cloud.triangles = source.draw == DrawAs::triangles;
+  cloud.materials = io::draws_materials(source);
   cloud.texture = source.draw == DrawAs::triangles && !source.texture.empty();
   cloud.stamps = source.stamps;
   return cloud;
@@ -169,6 +172,11 @@ Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scen
   Result<LoadedCloud> loaded = load(source, settings, generator);
   if (!loaded) return loaded.error();
   if (source.sideless) loaded->cloud.oriented.clear();
+  if (!loaded->materials.names.empty() && !loaded->triangles.empty())
+    if (Status taken =
+            io::take_materials(source, *loaded, object.materials, object.material_of, object.texture_corners);
+        !taken)
+      return taken.error();
   object.cloud = std::move(loaded->cloud);
   if (source.draw == DrawAs::triangles) {
     if (loaded->triangles.empty())
@@ -205,6 +213,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
       scene_.objects[i].cloud = {};
       scene_.objects[i].triangles = {};
       scene_.objects[i].texture_corners = {};
+      scene_.objects[i].materials = {};
+      scene_.objects[i].material_of = {};
       scene_.objects[i].splats = {};
       state.notes.clear();
       try {
@@ -221,6 +231,8 @@ Result<const Scene*> SceneFile::scene_at(double frame, const Generator& generato
         scene_.objects[i].triangles = std::move(object.triangles);
         scene_.objects[i].texture = std::move(object.texture);
         scene_.objects[i].texture_corners = std::move(object.texture_corners);
+        scene_.objects[i].materials = std::move(object.materials);
+        scene_.objects[i].material_of = std::move(object.material_of);
         scene_.objects[i].splats = std::move(object.splats);
         state.notes = std::move(object.notes);
         state.keep = !std::holds_alternative<SequenceSource>(sources_[i].points);

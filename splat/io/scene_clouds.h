@@ -18,6 +18,8 @@ struct SceneFile::LoadedObject {
   std::vector<Triangle> triangles;
   std::shared_ptr<const Texture> texture;
   std::vector<TextureCorners> texture_corners;
+  std::vector<Material> materials;
+  std::vector<std::uint32_t> material_of;
   SplatCloud splats;
   std::vector<std::string> notes;
 };

@@ -8,6 +8,7 @@
 
 #include "splat/io/content_hash.h"
 #include "splat/io/guarded.h"
+#include "splat/io/obj_materials.h"
 #include "splat/io/read_splats.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/source_files.h"
@@ -70,7 +71,8 @@ Result<std::string> SceneFile::hash_of(double frame, const std::string& canonica
     for (const KeyFile& key : files->files) {
       // A file that is shown at many frames is read once.
       std::error_code code;
-      Clouds::Content& content = clouds_->contents[key.path];
+      const bool materials = io::draws_materials(source);
+      Clouds::Content& content = clouds_->contents[key.path + (materials ? "\n" : "")];
       const auto changed = std::filesystem::last_write_time(key.path, code);
       if (content.hash.empty() || content.changed != changed) {
         Result<std::string> digits = io::hash_file(key.path);
@@ -78,6 +80,12 @@ Result<std::string> SceneFile::hash_of(double frame, const std::string& canonica
         if (io::is_sog_meta(key.path))
           for (const std::string& image : io::images_beside(key.path)) {
             const Result<std::string> more = io::hash_file(image);
+            if (!more) return more.error();
+            *digits += *more;
+          }
+        if (materials)
+          for (const std::string& beside : io::files_of_obj_materials(key.path)) {
+            const Result<std::string> more = io::hash_file(beside);
             if (!more) return more.error();
             *digits += *more;
           }

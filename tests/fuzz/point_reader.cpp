@@ -49,6 +49,11 @@ void check_points(const PointSet& set) {
   for (const std::string& line : set.report.lines()) SWEPT_HOLDS(!line.empty() && line.size() < 4096);
   for (const auto& triangle : set.triangle)
     for (const std::uint32_t corner : triangle) SWEPT_HOLDS(corner < set.size());
+  check_count(set.texture_corners, set.triangle.size());
+  check_count(set.materials.of_triangle, set.triangle.size());
+  SWEPT_HOLDS(set.materials.on_texture.size() == set.materials.of_triangle.size());
+  for (const std::uint32_t material : set.materials.of_triangle)
+    SWEPT_HOLDS(material < set.materials.names.size());
 }
 
 void read(std::string_view bytes, const ReadOptions& options) {
@@ -57,7 +62,9 @@ void read(std::string_view bytes, const ReadOptions& options) {
   check_points(*set);
   // Discs of many points take long, and are no other code.
   if (set->size() > 200 || set->triangle.size() > 400) return;
-  const Result<LoadedCloud> cloud = cloud_from_points(*std::move(set), 0.0, {});
+  CloudSource source;
+  source.triangles = options.corner_normals;
+  const Result<LoadedCloud> cloud = cloud_from_points(*std::move(set), 0.0, source);
   if (cloud)
     SWEPT_HOLDS(cloud->cloud.validate());
   else
@@ -70,6 +77,8 @@ void read(std::string_view bytes, const ReadOptions& options) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   swept::ReadOptions options;
+  swept::read(bytes, options);
+  options.corner_normals = options.materials = true;
   swept::read(bytes, options);
   options.skip_invalid = true;
   swept::read(bytes, options);
