@@ -389,7 +389,7 @@ TEST(Stochastic, ConvergesToTheReferenceOfDiscsThatChange) {
       object.cloud.opacity = object.cloud.looks[0].opacity;
       object.cloud.looks.clear();
     }
-    EXPECT_GT(rmse(rendered(frozen, {.samples = 64}).image, rendered(scene, {.samples = 64}).image), 0.05)
+    EXPECT_GT(rmse(rendered(frozen, {.samples = 64}).image, rendered(scene, {.samples = 64}).image), 0.01)
         << what;
   }
 }
