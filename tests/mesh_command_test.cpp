@@ -59,7 +59,7 @@ TEST_F(MeshCommand, TakesMaterialsForColoursWhereThereAreSome) {
   const test::Outcome info = run("info a.obj --draw triangles");
   EXPECT_NE((info.out + info.err).find("not read: 1 line Ns"), std::string::npos) << info.out << info.err;
   test::put(folder_ / "a.mtl", "newmtl red\nKd 1 0 blue\n");
-  const test::Outcome bad = run("render a.obj --draw triangles -o a.exr");
+  const test::Outcome bad = run(render);
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_NE(bad.err.find("a.mtl: line 2, Kd"), std::string::npos) << bad.err;
 }

@@ -390,6 +390,27 @@ TEST(Stochastic, RefusesWhatItDoesNotDraw) {
     EXPECT_FALSE(render_stochastic(scene, wrong).ok());
 }
 
+/// A fade of a disc that stands still, under a shutter that lets in more light late: the shutter's mean.
+TEST(Stochastic, ADiscThatFadesIsTheShuttersMean) {
+  Scene scene = test::stage();
+  Object& object = scene.objects.emplace_back();
+  test::add_disc(object, {0, 0, 0}, {0, 0, 1}, 40.0, {1.0f, 0.5f, 0.25f});
+  for (const double frame : {0.0, 1.0}) {
+    LookKey& look = object.cloud.looks.emplace_back();
+    look.frame = frame;
+    look.color = {{1.0f, 0.5f, 0.25f}};
+    look.opacity = {static_cast<float>(frame)};
+  }
+  scene.shutter.curve = ShutterShape::table;
+  scene.shutter.rates = {0.0, 1.0};  // twice the time: the mean of it is ⅔
+  const Image image = rendered(scene, {.samples = 1024}).image;
+  for (const std::size_t pixel : {std::size_t{0}, std::size_t{24 * 64 + 32}}) {
+    EXPECT_NEAR(image.rgba[4 * pixel], 2.0 / 3.0, 2e-3);
+    EXPECT_NEAR(image.rgba[4 * pixel + 1], 1.0 / 3.0, 2e-3);
+    EXPECT_NEAR(image.rgba[4 * pixel + 3], 2.0 / 3.0, 2e-3);
+  }
+}
+
 /// In each of a power of two of strata of every dimension there is one sample of a pixel.
 TEST(Stochastic, SpreadsSamplesInEveryDimension) {
   Scene scene = test::stage();
