@@ -24,8 +24,9 @@ T reduced(std::size_t count, T start, const Of& of, const Join& join) {
   return start;
 }
 
-/// Indices below `count` along a space-filling curve through `position(i)`; those in one of its 1024³ cells
-/// by `less(a, b)` of two indices. Runs in the caller's task arena, which calls both from several threads.
+/// Indices below `count` along a space-filling curve through `position(i)`, in cells of a millionth of the
+/// points' range; those in one cell by `less(a, b)` of two indices. Runs in the caller's task arena, which
+/// calls both from several threads.
 [[nodiscard]] std::vector<std::uint32_t> content_order(
     std::size_t count, const std::function<Eigen::Vector3d(std::size_t)>& position,
     const std::function<bool(std::uint32_t, std::uint32_t)>& less);

@@ -77,9 +77,15 @@ std::vector<PathGroup> path_groups(const SurfelCloud& cloud, const std::vector<d
     group.curved = (kind & curved) != 0;
     group.spins = (kind & spins) != 0;
     group.mortal = (kind & mortal) != 0;
+    if (counts[kind] == cloud.size()) {
+      group.points.resize(cloud.size());
+      parallel_for_each_index(cloud.size(),
+                              [&](std::size_t i) { group.points[i] = static_cast<std::uint32_t>(i); });
+      continue;
+    }
     group.points.reserve(counts[kind]);
     for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (kinds.empty() || kinds[i] == kind) group.points.push_back(static_cast<std::uint32_t>(i));
+      if (kinds[i] == kind) group.points.push_back(static_cast<std::uint32_t>(i));
   }
   return groups;
 }

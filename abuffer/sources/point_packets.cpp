@@ -155,8 +155,25 @@ std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<
         },
         less);
   }
-  for (std::uint32_t& i : order) i = points[i];
+  parallel_for_each_index(order.size(), [&](std::size_t i) { order[i] = points[order[i]]; });
   return order;
+}
+
+/// Has the processor fetch a point's value, which lies anywhere, while it works on others.
+template <class T>
+void fetch(const PointArray<T>& values, std::size_t i) {
+  if (!values.empty()) __builtin_prefetch(&values[i]);
+}
+
+/// Calls visit(packet, lane, point) for a packet's lanes, and ahead(point) for those of the next.
+template <class Visit, class Ahead>
+void for_each_lane(const PointPackets& packets, std::size_t p, const Visit& visit, const Ahead& ahead) {
+  const std::uint32_t* const points = packets.points.data() + p * packet_size;
+  const std::size_t next = p + 1 < packets.count ? packet_size : 0;
+  for (std::size_t lane = 0; lane < packet_size; ++lane) {
+    ahead(points[lane + next]);
+    visit(lane, points[lane]);
+  }
 }
 
 /// Origins, offsets, axes and the spheres that hold them.
@@ -168,18 +185,26 @@ void pack_poses(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
   for (std::size_t pose = 0; pose < poses.size(); ++pose) {
     const SurfelsAt surfels(cloud, poses[pose]);
     std::vector<Eigen::Vector3d>& origins = packets.origins.emplace_back(packets.count);
-    std::vector<float>& offsets = packets.offsets.emplace_back(3 * padded);
+    UnsetArray<float>& offsets = packets.offsets.emplace_back(3 * padded);
     if (pose < turning) packets.axes.emplace_back(6 * padded);
-    std::vector<float>& axes = packets.axes.back();
+    UnsetArray<float>& axes = packets.axes.back();
+    const SurfelPose& base = cloud.keys[poses[pose].base].pose;
     parallel_for_each_index(packets.count, [&](std::size_t p) {
-      const std::uint32_t* points = packets.points.data() + p * packet_size;
       std::array<SurfelInstant, packet_size> at;
       Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-      for (std::size_t lane = 0; lane < packet_size; ++lane) {
-        at[lane] = surfels[points[lane]];
-        low = low.cwiseMin(at[lane].position);
-        high = high.cwiseMax(at[lane].position);
-      }
+      for_each_lane(
+          packets, p,
+          [&](std::size_t lane, std::uint32_t point) {
+            at[lane] = surfels[point];
+            low = low.cwiseMin(at[lane].position);
+            high = high.cwiseMax(at[lane].position);
+          },
+          [&](std::uint32_t point) {
+            fetch(base.position, point);
+            fetch(base.axis_u, point);
+            fetch(base.axis_v, point);
+            fetch(cloud.velocity, point);
+          });
       origins[p] = low + (0.5 * high - 0.5 * low);
       float* const offset = offsets.data() + 3 * p * packet_size;
       float* const axis = axes.data() + 6 * p * packet_size;
@@ -200,15 +225,21 @@ void pack_poses(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
   }
 }
 
-std::vector<float> packed_colors(const SurfelCloud& cloud, double frame, const PointPackets& packets) {
-  std::vector<float> colors(4 * packets.count * packet_size);
+UnsetArray<float> packed_colors(const SurfelCloud& cloud, double frame, const PointPackets& packets) {
+  UnsetArray<float> colors(4 * packets.count * packet_size);
   const LooksAt looks(cloud, frame);
   parallel_for_each_index(packets.count, [&](std::size_t p) {
-    for (std::size_t lane = 0; lane < packet_size; ++lane) {
-      const Eigen::Vector4f rgba = looks[packets.points[p * packet_size + lane]];
-      float* const to = colors.data() + 4 * p * packet_size + lane;
-      for (std::size_t c = 0; c < 4; ++c) to[c * packet_size] = rgba[static_cast<int>(c)];
-    }
+    for_each_lane(
+        packets, p,
+        [&](std::size_t lane, std::uint32_t point) {
+          const Eigen::Vector4f rgba = looks[point];
+          float* const to = colors.data() + 4 * p * packet_size + lane;
+          for (std::size_t c = 0; c < 4; ++c) to[c * packet_size] = rgba[static_cast<int>(c)];
+        },
+        [&](std::uint32_t point) {
+          fetch(cloud.color, point);
+          fetch(cloud.opacity, point);
+        });
   });
   return colors;
 }
@@ -224,8 +255,14 @@ void pack_sides(const SurfelCloud& cloud, PointPackets& packets) {
   if (std::none_of(cloud.oriented.begin(), cloud.oriented.end(), [](auto known) { return known != 0; }))
     return;
   packets.oriented.assign(packets.count, 0u);
-  for (std::size_t i = 0; i < packets.points.size(); ++i)
-    if (cloud.is_oriented(packets.points[i])) packets.oriented[i / packet_size] |= 1u << i % packet_size;
+  parallel_for_each_index(packets.count, [&](std::size_t p) {
+    for_each_lane(
+        packets, p,
+        [&](std::size_t lane, std::uint32_t point) {
+          if (cloud.is_oriented(point)) packets.oriented[p] |= 1u << lane;
+        },
+        [&](std::uint32_t point) { fetch(cloud.oriented, point); });
+  });
 }
 
 PointPackets pack(const Object& object, const Exposure& exposure, const std::vector<double>& frames,
@@ -239,13 +276,11 @@ PointPackets pack(const Object& object, const Exposure& exposure, const std::vec
   packets.mortal = group.mortal;
   packets.size = group.points.size();
   const std::vector<PathWeights> poses = poses_of(cloud, packets.frames, packets.degree);
-  const std::vector<std::uint32_t> order = order_of(cloud, group.points, poses, exposure);
+  packets.points = order_of(cloud, group.points, poses, exposure);
   packets.count = (packets.size + packet_size - 1) / packet_size;
-  packets.points.resize(packets.count * packet_size);
-  packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
   // The last packet repeats its last point where it has none.
-  for (std::size_t i = 0; i < packets.points.size(); ++i)
-    packets.points[i] = order[std::min(i, order.size() - 1)];
+  packets.points.resize(packets.count * packet_size, packets.points.back());
+  packets.lanes.assign(packets.count, (1u << packet_size) - 1u);
   if (const std::size_t rest = packets.size % packet_size; rest != 0)
     packets.lanes.back() = (1u << rest) - 1u;
   pack_poses(cloud, poses, packets);
@@ -281,8 +316,9 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
   const std::size_t pose = instant.pose;
   const auto blend = static_cast<float>(instant.blend);
   const bool moves = blend > 0.0f && pose + degree < offsets.size();
-  const auto field = [&](const std::vector<std::vector<float>>& poses, std::size_t fields,
-                         std::size_t which) { return poses[which].data() + fields * p * packet_size; };
+  const auto field = [&](const std::vector<UnsetArray<float>>& poses, std::size_t fields, std::size_t which) {
+    return poses[which].data() + fields * p * packet_size;
+  };
   const bool keyed = axes.size() > 1;
   const float *offset = field(offsets, 3, pose), *axis = field(axes, 6, keyed ? pose : 0);
   PacketPoints found{offset, nullptr, axis, nullptr, blend, lanes[p], oriented.empty() ? 0 : oriented[p]};
@@ -290,7 +326,7 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
     found.offset_after = field(offsets, 3, pose + 1);
     if (keyed) found.axes_after = field(axes, 6, pose + 1);
   } else if (moves) {
-    const auto curved = [&](const std::vector<std::vector<float>>& poses, std::size_t fields,
+    const auto curved = [&](const std::vector<UnsetArray<float>>& poses, std::size_t fields,
                             const float* from, float* to) {
       const std::size_t numbers = fields * packet_size;
       std::copy(from, from + numbers, to);
@@ -323,7 +359,7 @@ PacketPoints PointPackets::at(std::size_t p, const ObjectInstant& instant, Packe
 }
 
 void PointPackets::color(std::size_t p, const ObjectInstant& instant, PlacedPacket& placed) const {
-  const auto packed = [&](const std::vector<float>& all) { return all.data() + 4 * p * packet_size; };
+  const auto packed = [&](const UnsetArray<float>& all) { return all.data() + 4 * p * packet_size; };
   const float* const from = packed(looks.empty() ? colors : looks[instant.look.before].colors);
   float* const to[4] = {placed.red, placed.green, placed.blue, placed.alpha};
   for (std::size_t c = 0; c < 4; ++c) std::copy_n(from + c * packet_size, packet_size, to[c]);

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "abuffer/simd/sampled_math.h"
+#include "abuffer/unset_array.h"
 #include "splat/scene.h"
 
 namespace swept {
@@ -27,7 +28,7 @@ struct PacketScratch {
 /// What the points of packets look like at a frame.
 struct LookOfPackets {
   double frame;
-  std::vector<float> colors;  ///< as PointPackets has them
+  UnsetArray<float> colors;  ///< as PointPackets has them
 };
 
 /// Object space. From one of `frames` to the next points follow Bézier curves of one degree, of which the
@@ -42,9 +43,9 @@ struct PointPackets {
   bool mortal = false;         ///< points come or go
   std::vector<double> frames;  ///< where stretches begin and end, increasing; one: nothing moves
   std::vector<std::vector<Eigen::Vector3d>> origins;  ///< by pose and packet
-  std::vector<std::vector<float>> offsets;            ///< by pose; 3 · 16 a packet
-  std::vector<std::vector<float>> axes;               ///< by pose, or of all poses; 6 · 16 a packet
-  std::vector<float> colors;         ///< red, green, blue times opacity, opacity; 4 · 16 a packet
+  std::vector<UnsetArray<float>> offsets;             ///< by pose; 3 · 16 a packet
+  std::vector<UnsetArray<float>> axes;                ///< by pose, or of all poses; 6 · 16 a packet
+  UnsetArray<float> colors;          ///< red, green, blue times opacity, opacity; 4 · 16 a packet
   std::vector<LookOfPackets> looks;  ///< not empty: in place of `colors`, which change from one to the next
   std::vector<float> radius;         ///< of the sphere about the origin that holds the discs
   std::vector<std::uint32_t> lanes;  ///< that hold a point, a bit each
