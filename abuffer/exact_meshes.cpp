@@ -1,6 +1,7 @@
 #include "abuffer/exact_meshes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -97,6 +98,7 @@ bool MeshFragments::gather(const Window& window) {
   entry_of_.clear();
   std::size_t merged = 0;
   shorten_at_ = lossy_.most() > 0 ? 4096 : std::numeric_limits<std::size_t>::max();
+  set_rays(window);
   rows_.clear();
   for (int y = window.y; y < window.y + window.height; ++y)
     rows_.emplace_back(film_.all, film_.exposure.of_row(y));
@@ -117,6 +119,15 @@ bool MeshFragments::gather(const Window& window) {
   sort_by_place(window);
   if (lossy_.most() > 0) merge_places();
   return true;
+}
+
+void MeshFragments::set_rays(const Window& window) {
+  ray_x_.clear();
+  ray_y_.clear();
+  for (int x = window.x; x < window.x + window.width; ++x)
+    for (const Eigen::Vector3d& of : rays(x, window.y)) ray_x_.push_back(of.x());
+  for (int y = window.y; y < window.y + window.height; ++y)
+    for (const Eigen::Vector3d& of : rays(window.x, y)) ray_y_.push_back(of.y());
 }
 
 /// False: more intervals than one thread may hold, of more than a pixel.
@@ -157,7 +168,9 @@ bool MeshFragments::gather_entry(const Window& window, const MeshBins::Entry& en
           continue;
         if (triangle->misses(ray(x, y, 0.0, 0.0), half, half)) continue;
       }
-      meet_pixel(*triangle, x, y, light, at * pixel_places, nearest);
+      const RaysOfPixel rays{&ray_x_[static_cast<std::size_t>(x - window.x) * pixel_places],
+                             &ray_y_[static_cast<std::size_t>(y - window.y) * pixel_places]};
+      meet_pixel(*triangle, rays, light, at * pixel_places, nearest);
     }
     if (window.width * window.height > 1 && intervals_.size() > film_.interval_limit) return false;
   }
@@ -165,13 +178,14 @@ bool MeshFragments::gather_entry(const Window& window, const MeshBins::Entry& en
   return true;
 }
 
-void MeshFragments::meet_pixel(const TriangleStretch& triangle, int x, int y, const LightOverTime& light,
-                               std::uint32_t place, float nearest) {
-  for (std::uint32_t k = 0; k < pixel_places; ++k) {
+void MeshFragments::meet_pixel(const TriangleStretch& triangle, const RaysOfPixel& rays,
+                               const LightOverTime& light, std::uint32_t place, float nearest) {
+  for (std::uint32_t places = triangle.may_meet(rays); places != 0; places &= places - 1) {
+    const auto k = static_cast<std::uint32_t>(std::countr_zero(places));
     if (film_.tile_tests && cover_.hides_place(triangle.mesh, place + k, nearest)) continue;
     const std::size_t before = intervals_.size();
-    triangle.meet(ray(x, y, double{places_in_pixel.x[k]}, double{places_in_pixel.y[k]}), light.from(),
-                  light.to(), place + k, static_cast<std::uint32_t>(triangles_.size()), intervals_);
+    triangle.meet(rays[k], light.from(), light.to(), place + k, static_cast<std::uint32_t>(triangles_.size()),
+                  intervals_);
     if (!triangle.opaque) continue;
     for (std::size_t i = before; i < intervals_.size(); ++i)
       cover_.add(triangle.mesh, place + k, intervals_[i].begin, intervals_[i].end, intervals_[i].farthest,

@@ -69,7 +69,8 @@ class MeshFragments final : public FragmentSource {
   [[nodiscard]] Eigen::Vector3d ray(int x, int y, double dx, double dy) const;
   void order_entries();
   [[nodiscard]] bool gather_entry(const Window& window, const MeshBins::Entry& entry, float nearest);
-  void meet_pixel(const TriangleStretch& triangle, int x, int y, const LightOverTime& light,
+  void set_rays(const Window& window);
+  void meet_pixel(const TriangleStretch& triangle, const RaysOfPixel& rays, const LightOverTime& light,
                   std::uint32_t place, float nearest);
   void restore_order();
   void shorten(const Window& window);
@@ -84,6 +85,7 @@ class MeshFragments final : public FragmentSource {
   std::vector<std::pair<float, std::uint32_t>> order_;  ///< entries by their nearest depth
   std::vector<std::uint32_t> entry_of_, rank_;          ///< of triangles_
   std::vector<LightOverTime> rows_;                     ///< of the window
+  std::vector<double> ray_x_, ray_y_;                   ///< of its columns and rows, place by place
   std::vector<TriangleStretch> triangles_, reordered_;
   std::vector<PlaceInterval> intervals_, sorted_;
   std::vector<std::size_t> starts_, fill_;

@@ -74,13 +74,15 @@ class VisibleTiles {
                       static_cast<std::size_t>(x - window_.x)) *
                      pixel_places * times_.size();
     for (std::size_t k = 0; k < pixel_places; ++k) {
-      sweep_.cut(fragments_.of_place(local, k), fragments_.triangles(), rays[k]);
-      const std::vector<PlacePiece>& pieces = sweep_.pieces();
+      view_.clear();
+      sweep_.cut(fragments_.of_place(local, k), fragments_.triangles(), rays[k], view_);
+      const std::vector<PlacePiece>& pieces = view_.pieces;
       std::size_t piece = 0;
       for (const double time : times_) {
         while (piece < pieces.size() && pieces[piece].end <= time) ++piece;
         if (piece < pieces.size() && pieces[piece].begin <= time) {
-          const TriangleStretch& seen = fragments_.triangles()[sweep_.seen()[pieces[piece].first]];
+          const PlaceLayer& nearest = view_.layers[view_.seen[pieces[piece].first]];
+          const TriangleStretch& seen = fragments_.triangles()[nearest.source];
           visible_.triangle[to] = first_triangle_[seen.mesh] + seen.triangle;
         }
         ++to;
@@ -95,6 +97,7 @@ class VisibleTiles {
   VisibleTriangles& visible_;
   MeshFragments fragments_;
   PlaceSweep sweep_;
+  PlaceView view_;
 };
 
 VisibleTriangles blank(const Window& window, std::size_t times) {

@@ -4,6 +4,7 @@
 
 #include "abuffer/resolve/place_depths.h"
 #include "abuffer/resolve/texel_cuts.h"
+#include "splat/interval/depth_sum.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
@@ -70,30 +71,103 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum, DepthSu
     std::size_t last = first + 1;
     while (last < of.intervals.size() && of.intervals[last].place == of.intervals[first].place) ++last;
     const Eigen::Vector3d& ray = of.rays[of.intervals[first].place % pixel_places];
-    places_.cut(of.intervals.subspan(first, last - first), of.triangles, ray);
+    view_.clear();
+    places_.cut(of.intervals.subspan(first, last - first), of.triangles, ray, view_);
     LightSum of_place;
-    for (const PlacePiece& piece : places_.pieces()) {
-      const std::span<const std::uint32_t> seen(places_.seen().data() + piece.first, piece.count);
-      const bool even =
-          std::all_of(seen.begin(), seen.end(), [&](std::uint32_t t) { return of.triangles[t].plain; });
-      throw_if_stopped(places_.stop);
-      for (const std::uint32_t t : seen)
-        if (of.triangles[t].texture != nullptr)
-          add_texel_cuts(of.triangles[t], ray, piece.begin, piece.end, cuts_);
-      between_cuts(piece.begin, piece.end, cuts_, [&](double begin, double end) {
-        add_light(
-            of.light.share(begin), of.light.share(end), even, of.light,
-            [&](double time) { return light_at(seen, of.triangles, ray, time); }, of_place,
-            [&](double first_share, double last_share) {
-              if (by_depth != nullptr)
-                add_depths(seen, of.triangles, ray, of.light, first_share, last_share, 1.0 / pixel_places,
-                           *by_depth);
-            });
-      });
-    }
+    add_place(of, ray, of_place, by_depth);
     sum.add(of_place, 1.0 / pixel_places);
     first = last;
   }
+}
+
+void ExactPixel::add_place(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, LightSum& sum,
+                           DepthSum* by_depth) {
+  const auto add_by_depth = [&](const PlacePiece& piece, double first, double last) {
+    if (by_depth != nullptr) add_depths(of, ray, piece, first, last, *by_depth);
+  };
+  for (const PlacePiece& piece : view_.pieces) {
+    throw_if_stopped(places_.stop);
+    bool plain = true;
+    for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
+      const TriangleStretch& triangle = of.triangles[view_.layers[view_.seen[i]].source];
+      plain = plain && triangle.plain;
+      if (triangle.texture != nullptr) add_texel_cuts(triangle, ray, piece.begin, piece.end, cuts_);
+    }
+    if (plain) {
+      add_plain(of, ray, piece, sum);
+      add_by_depth(piece, of.light.share(piece.begin), of.light.share(piece.end));
+      continue;
+    }
+    between_cuts(piece.begin, piece.end, cuts_, [&](double begin, double end) {
+      add_light(
+          of.light.share(begin), of.light.share(end), of.light,
+          [&](double time) { return light_at(of, ray, piece, time); }, sum,
+          [&](double first, double last) { add_by_depth(piece, first, last); });
+    });
+  }
+  for (std::uint32_t layer = 0; layer < view_.layers.size(); ++layer) add_noted(of, ray, layer, sum);
+}
+
+/// Colours do not change, and depths do. What goes on as it was before is only noted: what begins or ends
+/// behind a triangle, or in front of it with the same opacity, is no event to it.
+void ExactPixel::add_plain(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                           LightSum& sum) {
+  double left = 1.0;
+  for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
+    PlaceLayer& layer = view_.layers[view_.seen[i]];
+    if (layer.until != piece.begin || layer.weight != left) {
+      add_noted(of, ray, view_.seen[i], sum);
+      layer.weight = left;
+      layer.from = piece.begin;
+    }
+    layer.until = piece.end;
+    left *= 1.0 - double{of.triangles[layer.source].rgba[0][3]};
+    if (left < double{opaque_transmittance}) break;
+  }
+}
+
+void ExactPixel::add_noted(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, std::uint32_t layer,
+                           LightSum& sum) {
+  const PlaceLayer noted = view_.layers[layer];
+  const double first = of.light.share(noted.from), last = of.light.share(noted.until);
+  if (noted.weight == 0.0 || !(first < last)) return;
+  const float(&rgba)[4] = of.triangles[noted.source].rgba[0];
+  const PlaceDepth& depth = view_.depth(layer, of.triangles, ray);
+  const double weight = noted.weight * (last - first);
+  for (int c = 0; c < 4; ++c) sum.v[c] += weight * double{rgba[c]};
+  sum.v[4] += noted.weight * double{rgba[3]} *
+              smooth_integral(of.light, first, last, [&](double time) { return depth.at(time); });
+}
+
+LightSum ExactPixel::light_at(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                              double time) const {
+  LightSum sum;
+  double left = 1.0;
+  for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
+    const TriangleStretch::Look look = of.triangles[view_.layers[view_.seen[i]].source].look(ray, time);
+    for (int c = 0; c < 4; ++c) sum.v[c] += left * look.rgba[c];
+    sum.v[4] += left * look.rgba[3] * look.depth;
+    left *= 1.0 - look.rgba[3];
+    if (left < double{opaque_transmittance}) break;
+  }
+  return sum;
+}
+
+/// Of what light_at() sees at the nodes of these shares of light.
+void ExactPixel::add_depths(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                            double first, double last, DepthSum& by_depth) const {
+  for_each_node(first, last, of.light, [&](double time, double weight, double begin, double end) {
+    double left = 1.0;
+    for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
+      const TriangleStretch& triangle = of.triangles[view_.layers[view_.seen[i]].source];
+      const TriangleStretch::Look look = triangle.look(ray, time);
+      double rgba[4];
+      for (int c = 0; c < 4; ++c) rgba[c] = weight / pixel_places * left * look.rgba[c];
+      by_depth.add(triangle.look(ray, begin).depth, triangle.look(ray, end).depth, rgba);
+      left *= 1.0 - look.rgba[3];
+      if (left < double{opaque_transmittance}) break;
+    }
+  });
 }
 
 void ExactPixel::add(const DiscsOfPixel& discs, const TrianglesOfPixel& of, PixelSum& pixel,

@@ -57,11 +57,22 @@ class ExactPixel {
 
  private:
   void add_one_mesh(const TrianglesOfPixel& triangles, LightSum& sum, DepthSum* by_depth);
+  void add_place(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, LightSum& sum,
+                 DepthSum* by_depth);
+  void add_plain(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                 LightSum& sum);
+  void add_noted(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, std::uint32_t layer,
+                 LightSum& sum);
+  void add_depths(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                  double first, double last, DepthSum& by_depth) const;
+  [[nodiscard]] LightSum light_at(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray,
+                                  const PlacePiece& piece, double time) const;
 
   SurfaceModel model_;
   StillPixel still_;
   PixelSweep sweep_;
   PlaceSweep places_;
+  PlaceView view_;
   MeshPixel meshes_;
   std::vector<Ticks> breaks_;
   std::vector<double> cuts_;

@@ -6,127 +6,10 @@
 
 #include "abuffer/resolve/place_depths.h"
 #include "abuffer/resolve/texel_cuts.h"
+#include "splat/interval/depth_sum.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
-
-void MeshPixel::mesh_surfaces(std::size_t first, std::size_t last, double time) {
-  const auto pieces_of = [&](std::size_t i) -> const PlacePiece& {
-    const Track& track = tracks_[on_[i]];
-    return track.pieces[track.next];
-  };
-  std::uint32_t most = 0;
-  for (std::size_t i = first; i < last; ++i) most = std::max(most, pieces_of(i).count);
-  double light[pixel_places];
-  std::fill(light, light + pixel_places, 1.0);
-  for (std::uint32_t layer = 0; layer < most; ++layer) {
-    double before = 0.0;
-    for (const double l : light) before += l / pixel_places;
-    if (!(before > double{opaque_transmittance})) return;
-    Surface surface{0.0, {0.0, 0.0, 0.0, 0.0}, tracks_[on_[first]].mesh, layer};
-    for (std::size_t i = first; i < last; ++i) {
-      const PlacePiece& piece = pieces_of(i);
-      if (piece.count <= layer) continue;
-      const Track& track = tracks_[on_[i]];
-      const TriangleStretch::Look seen =
-          (*triangles_)[track.seen[piece.first + layer]].look((*rays_)[track.place], time);
-      double& left = light[track.place];
-      const double share = left / pixel_places;
-      for (int c = 0; c < 4; ++c) surface.rgba[c] += share * seen.rgba[c];
-      surface.depth += share * seen.rgba[3] * seen.depth;
-      left *= 1.0 - seen.rgba[3];
-    }
-    if (!(surface.rgba[3] > 0.0)) continue;
-    surface.depth /= surface.rgba[3];
-    for (double& v : surface.rgba) v /= before;
-    surfaces_.push_back(surface);
-  }
-}
-
-void MeshPixel::look(double time) {
-  throw_if_stopped(sweep_->stop);
-  surfaces_.clear();
-  for (std::size_t first = 0; first < on_.size();) {
-    std::size_t last = first + 1;
-    while (last < on_.size() && tracks_[on_[last]].mesh == tracks_[on_[first]].mesh) ++last;
-    mesh_surfaces(first, last, time);
-    first = last;
-  }
-  // What follows the depth makes the order of meshes indifferent.
-  std::sort(surfaces_.begin(), surfaces_.end(), [](const Surface& a, const Surface& b) {
-    return std::tie(a.depth, a.rgba[3], a.rgba[0], a.rgba[1], a.rgba[2]) <
-           std::tie(b.depth, b.rgba[3], b.rgba[0], b.rgba[1], b.rgba[2]);
-  });
-  if (!discs_.empty()) merge_discs(time);
-}
-
-/// Discs keep their order among themselves, and a mesh's surface lies before the first of them that is
-/// deeper.
-void MeshPixel::merge_discs(double time) {
-  const double share = light_->share(time);
-  const double at = last_share_ > first_share_ ? (share - first_share_) / (last_share_ - first_share_) : 0.5;
-  merged_.clear();
-  std::size_t next = 0;
-  for (std::uint32_t i = 0; i < discs_.size(); ++i) {
-    const MovingSurface::Look look = discs_[i].at(*model_, share - first_share_, at);
-    Surface disc{look.depth, {look.rgba[0], look.rgba[1], look.rgba[2], look.rgba[3]}, of_discs, i};
-    for (; next < surfaces_.size() && surfaces_[next].depth < disc.depth; ++next)
-      merged_.push_back(surfaces_[next]);
-    merged_.push_back(disc);
-  }
-  merged_.insert(merged_.end(), surfaces_.begin() + static_cast<std::ptrdiff_t>(next), surfaces_.end());
-  surfaces_.swap(merged_);
-}
-
-LightSum MeshPixel::light_at(double time) {
-  look(time);
-  LightSum sum;
-  double left = 1.0;
-  for (const Surface& surface : surfaces_) {
-    for (int c = 0; c < 4; ++c) sum.v[c] += left * surface.rgba[c];
-    sum.v[4] += left * surface.rgba[3] * surface.depth;
-    left *= 1.0 - surface.rgba[3];
-    if (left < double{opaque_transmittance}) break;
-  }
-  return sum;
-}
-
-/// Of what light_at() saw at the nodes of these shares of light.
-void MeshPixel::add_depths(double first, double last) {
-  for_each_node(first, last, *light_, [&](double time, double weight, double begin, double end) {
-    look(begin);
-    as_begins_ = surfaces_;
-    look(end);
-    as_ends_ = surfaces_;
-    look(time);
-    const auto depth = [](const std::vector<Surface>& of, const Surface& surface) {
-      for (const Surface& s : of)
-        if (s.mesh == surface.mesh && s.layer == surface.layer) return s.depth;
-      return surface.depth;
-    };
-    double left = 1.0;
-    for (const Surface& surface : surfaces_) {
-      double rgba[4];
-      for (int c = 0; c < 4; ++c) rgba[c] = weight * left * surface.rgba[c];
-      by_depth_->add(depth(as_begins_, surface), depth(as_ends_, surface), rgba);
-      left *= 1.0 - surface.rgba[3];
-      if (left < double{opaque_transmittance}) break;
-    }
-  });
-}
-
-MeshPixel::Order MeshPixel::order_at(double time) {
-  look(time);
-  Order order;
-  double left = 1.0;
-  for (const Surface& surface : surfaces_) {
-    order.emplace_back(surface.mesh, surface.layer);
-    // What changes places behind an opaque disc is not seen.
-    left *= 1.0 - surface.rgba[3];
-    if (!discs_.empty() && left < double{opaque_transmittance}) break;
-  }
-  return order;
-}
 
 void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
                       const PlaceRays& rays, const LightOverTime& light, PlaceSweep& sweep,
@@ -137,9 +20,9 @@ void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<Tria
   sweep_ = &sweep;
   by_depth_ = by_depth;
   tracks_.clear();
+  view_.clear();
   times_.clear();
   next_time_ = 0;
-  plain_ = true;
   discs_ = {};
   std::stable_sort(intervals.begin(), intervals.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
     return std::tie(a.place, a.source) < std::tie(b.place, b.source);
@@ -153,16 +36,17 @@ void MeshPixel::begin(std::span<PlaceInterval> intervals, const std::vector<Tria
            mesh_of(last) == mesh_of(first))
       ++last;
     const std::uint32_t mesh = mesh_of(first);
-    const std::size_t place = intervals[first].place % pixel_places;
-    sweep.cut(intervals.subspan(first, last - first), triangles, rays[place]);
-    tracks_.push_back({mesh, place, sweep.pieces(), sweep.seen()});
-    for (const PlacePiece& piece : sweep.pieces()) {
-      times_.push_back(piece.begin);
-      times_.push_back(piece.end);
-    }
-    for (const std::uint32_t t : sweep.seen()) plain_ = plain_ && triangles[t].plain;
+    const std::size_t place = intervals[first].place % pixel_places, known = view_.pieces.size();
+    sweep.cut(intervals.subspan(first, last - first), triangles, rays[place], view_);
+    tracks_.push_back({mesh, place, known, view_.pieces.size()});
     first = last;
   }
+  for (const PlacePiece& piece : view_.pieces) {
+    times_.push_back(piece.begin);
+    times_.push_back(piece.end);
+  }
+  plain_ = std::all_of(view_.seen.begin(), view_.seen.end(),
+                       [&](std::uint32_t layer) { return triangles[view_.layers[layer].source].plain; });
   std::stable_sort(tracks_.begin(), tracks_.end(),
                    [](const Track& a, const Track& b) { return a.mesh < b.mesh; });
   std::sort(times_.begin(), times_.end());
@@ -192,49 +76,159 @@ void MeshPixel::add_between_events(double begin, double end, LightSum& sum) {
   on_.clear();
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
     Track& track = tracks_[t];
-    while (track.next < track.pieces.size() && track.pieces[track.next].end <= begin) ++track.next;
-    if (track.next < track.pieces.size() && track.pieces[track.next].begin <= begin) on_.push_back(t);
+    while (track.next < track.last && view_.pieces[track.next].end <= begin) ++track.next;
+    if (track.next < track.last && view_.pieces[track.next].begin <= begin) on_.push_back(t);
   }
   if (on_.empty() && discs_.empty()) return;
-  const bool even = plain_ && discs_.empty();
-  const auto add_smooth = [&](double from, double to) {
-    for (const std::size_t t : on_) {
-      const Track& track = tracks_[t];
-      const PlacePiece& piece = track.pieces[track.next];
-      for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i)
-        if (const TriangleStretch& triangle = (*triangles_)[track.seen[i]]; triangle.texture != nullptr)
-          add_texel_cuts(triangle, (*rays_)[track.place], from, to, cuts_);
-    }
-    between_cuts(from, to, cuts_, [&](double a, double b) {
-      add_light(
-          light_->share(a), light_->share(b), even, *light_, [&](double time) { return light_at(time); }, sum,
-          [&](double first, double last) {
-            if (by_depth_ != nullptr) add_depths(first, last);
-          });
-    });
-  };
-  const bool may_cross =
-      !on_.empty() && (!discs_.empty() || tracks_[on_.front()].mesh != tracks_[on_.back()].mesh);
-  // They change places where the depths of their surfaces do.
-  for (int changes = 0; may_cross && changes < 64; ++changes) {
-    const double hair = 0x1p-40 * (end - begin);
-    if (!(begin + hair < end - hair)) break;
-    const Order first = order_at(begin + hair);
-    double same = begin + hair, other = end - hair;
-    if (order_at(other) == first) {
-      other = 0.5 * begin + 0.5 * end;
-      if (order_at(other) == first) break;
-    }
-    while (other - same > 0x1p-44) {
-      const double half = 0.5 * same + 0.5 * other;
-      if (!(same < half && half < other)) break;
-      (order_at(half) == first ? same : other) = half;
-    }
-    add_smooth(begin, other);
-    begin = other;
+  throw_if_stopped(sweep_->stop);
+  list_surfaces();
+  find_changes(begin, end);
+  for (const double change : changes_) {
+    if (!(begin < change && change < end)) continue;
+    add_smooth(begin, change, sum);
+    begin = change;
     ++sweep_->counters.crossings;
   }
-  add_smooth(begin, end);
+  add_smooth(begin, end, sum);
+}
+
+/// Finds when surfaces of different owners change places, in order.
+void MeshPixel::find_changes(double begin, double end) {
+  changes_.clear();
+  pairs_.clear();
+  const bool several =
+      !on_.empty() && (!discs_.empty() || tracks_[on_.front()].mesh != tracks_[on_.back()].mesh);
+  if (!several) return;
+  float hidden_from = std::numeric_limits<float>::infinity();
+  for (const Surface& surface : surfaces_)
+    if (surface.opaque) hidden_from = std::min(hidden_from, surface.farthest);
+  for (std::size_t a = 0; a < of_meshes_; ++a)
+    for (std::size_t b = a + 1; b < surfaces_.size(); ++b)
+      if (surfaces_[a].nearest <= std::min(hidden_from, surfaces_[b].farthest) &&
+          surfaces_[b].nearest <= std::min(hidden_from, surfaces_[a].farthest))
+        pairs_.push_back({a, b, {}, 0.0});
+  if (pairs_.empty()) return;
+  // Colours that change may bend a mean of depths wherever they do, and more than this makes no difference.
+  const int halvings = plain_ && discs_.empty() ? 12 : 6;
+  DepthChanges::find(
+      begin, end, halvings, pairs_.size(),
+      [&](double time, std::size_t place) {
+        look(time);
+        for (Pair& pair : pairs_) {
+          pair.values[place] = surfaces_[pair.a].depth - surfaces_[pair.b].depth;
+          pair.depth = std::max(std::abs(surfaces_[pair.a].depth), std::abs(surfaces_[pair.b].depth));
+        }
+      },
+      [&](std::size_t i) {
+        DepthChanges::Values values;
+        std::copy_n(pairs_[i].values, values.size(), values.begin());
+        return values;
+      },
+      [&](std::size_t i) { return pairs_[i].depth; }, changes_);
+  std::sort(changes_.begin(), changes_.end());
+}
+
+void MeshPixel::add_smooth(double begin, double end, LightSum& sum) {
+  const auto add_by_depth = [&](double first, double last) {
+    if (by_depth_ != nullptr && first < last) add_depths(first, last);
+  };
+  if (plain_ && discs_.empty()) {
+    add_plain(begin, end, sum);
+    add_by_depth(light_->share(begin), light_->share(end));
+    return;
+  }
+  for (const Part& part : parts_)
+    if (const TriangleStretch& triangle = (*triangles_)[view_.layers[part.layer].source];
+        triangle.texture != nullptr)
+      add_texel_cuts(triangle, (*rays_)[part.place], begin, end, cuts_);
+  between_cuts(begin, end, cuts_, [&](double a, double b) {
+    add_light(
+        light_->share(a), light_->share(b), *light_, [&](double time) { return light_at(time); }, sum,
+        add_by_depth);
+  });
+}
+
+LightSum MeshPixel::light_at(double time) {
+  look(time);
+  put_in_order();
+  LightSum sum;
+  double left = 1.0;
+  for (const std::size_t i : order_) {
+    const Surface& surface = surfaces_[i];
+    for (int c = 0; c < 4; ++c) sum.v[c] += left * surface.rgba[c];
+    sum.v[4] += left * surface.rgba[3] * surface.depth;
+    left *= 1.0 - surface.rgba[3];
+    if (left < double{opaque_transmittance}) break;
+  }
+  return sum;
+}
+
+/// Colours do not change, and depths do.
+void MeshPixel::add_plain(double begin, double end, LightSum& sum) {
+  const double first = light_->share(begin), last = light_->share(end);
+  if (!(first < last)) return;
+  throw_if_stopped(sweep_->stop);
+  const ThreeNodes nodes(*light_, first, last);
+  look(nodes.time[1]);
+  put_in_order();
+  double left = last - first;
+  const double least = double{opaque_transmittance} * left;
+  for (const std::size_t i : order_) {
+    const Surface& surface = surfaces_[i];
+    for (int c = 0; c < 4; ++c) sum.v[c] += left * surface.rgba[c];
+    sum.v[4] += left * surface.rgba[3] *
+                (ThreeNodes::side * (depth_of(surface, nodes.time[0]) + depth_of(surface, nodes.time[2])) +
+                 ThreeNodes::middle * surface.depth);
+    left *= 1.0 - surface.rgba[3];
+    if (left < least) break;
+  }
+}
+
+/// Of what is seen at the nodes of these shares of light.
+void MeshPixel::add_depths(double first, double last) {
+  for_each_node(first, last, *light_, [&](double time, double weight, double begin, double end) {
+    const auto depths_at = [&](double at, std::vector<double>& depths) {
+      look(at);
+      depths.clear();
+      for (const Surface& surface : surfaces_) depths.push_back(surface.depth);
+    };
+    depths_at(begin, begins_);
+    depths_at(end, ends_);
+    look(time);
+    put_in_order();
+    double left = 1.0;
+    for (const std::size_t i : order_) {
+      const Surface& surface = surfaces_[i];
+      double rgba[4];
+      for (int c = 0; c < 4; ++c) rgba[c] = weight * left * surface.rgba[c];
+      by_depth_->add(begins_[i], ends_[i], rgba);
+      left *= 1.0 - surface.rgba[3];
+      if (left < double{opaque_transmittance}) break;
+    }
+  });
+}
+
+/// Discs keep their order among themselves, and a mesh's surface lies before the first of them that is
+/// deeper. What follows the depth of others makes the order of meshes indifferent.
+void MeshPixel::put_in_order() {
+  order_.clear();
+  for (std::size_t i = 0; i < of_meshes_; ++i)
+    if (surfaces_[i].rgba[3] > 0.0) order_.push_back(i);
+  std::sort(order_.begin(), order_.end(), [&](std::size_t i, std::size_t j) {
+    const Surface &a = surfaces_[i], &b = surfaces_[j];
+    return std::tie(a.depth, a.rgba[3], a.rgba[0], a.rgba[1], a.rgba[2]) <
+           std::tie(b.depth, b.rgba[3], b.rgba[0], b.rgba[1], b.rgba[2]);
+  });
+  if (of_meshes_ == surfaces_.size()) return;
+  among_discs_.clear();
+  std::size_t next = 0;
+  for (std::size_t disc = of_meshes_; disc < surfaces_.size(); ++disc) {
+    for (; next < order_.size() && surfaces_[order_[next]].depth < surfaces_[disc].depth; ++next)
+      among_discs_.push_back(order_[next]);
+    among_discs_.push_back(disc);
+  }
+  among_discs_.insert(among_discs_.end(), order_.begin() + static_cast<std::ptrdiff_t>(next), order_.end());
+  order_.swap(among_discs_);
 }
 
 }  // namespace swept

@@ -5,6 +5,7 @@
 // are summed as well, and halved on until the sum changes by less than 10⁻⁷ of the light of the piece.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -23,37 +24,56 @@ struct LightSum {
   }
 };
 
-/// Of Gauss's three on [0, 1], from the first on.
-struct LightNode {
-  double at, weight;
-};
-inline constexpr LightNode light_nodes[3] = {{0.5 - 0.38729833462074168852, 5.0 / 18.0},  // √0.6/2
-                                             {0.5, 8.0 / 18.0},
-                                             {0.5 + 0.38729833462074168852, 5.0 / 18.0}};
+/// Gauss and Legendre's rule of three nodes.
+struct ThreeNodes {
+  static constexpr double offset = 0.38729833462074168852;  ///< of the outer ones from the middle: √0.6/2
+  static constexpr double side = 5.0 / 18.0, middle = 8.0 / 18.0;
+  double time[3];
 
-/// Adds ∫ at(time) ds over the shares of light from `first` to `last`. `even`: colours are known not to
-/// change. Calls part(a, b) for each stretch of it that was summed up by its own nodes.
+  /// Of the shares of light from `a` to `b`.
+  ThreeNodes(const LightOverTime& light, double a, double b)
+      : time{light.time(a + (0.5 - offset) * (b - a)), light.time(0.5 * a + 0.5 * b),
+             light.time(a + (0.5 + offset) * (b - a))} {}
+};
+
+/// ∫ at(time) ds over the shares of light from `first` to `last`, of what is above 0: by three nodes, in
+/// halves where it varies by more than a hundredth of itself.
+template <class At>
+[[nodiscard]] double smooth_integral(const LightOverTime& light, double first, double last, const At& at,
+                                     int halvings = 6) {
+  const ThreeNodes nodes(light, first, last);
+  const double a = at(nodes.time[0]), b = at(nodes.time[1]), c = at(nodes.time[2]);
+  if (halvings > 0 && std::max({a, b, c}) - std::min({a, b, c}) > 0.01 * b) {
+    const double half = 0.5 * first + 0.5 * last;
+    return smooth_integral(light, first, half, at, halvings - 1) +
+           smooth_integral(light, half, last, at, halvings - 1);
+  }
+  return (last - first) * (ThreeNodes::side * (a + c) + ThreeNodes::middle * b);
+}
+
+/// Adds ∫ at(time) ds over the shares of light from `first` to `last`. Calls part(a, b) for each stretch of
+/// it that was summed up by its own nodes.
 template <class At, class Part>
-void add_light(double first, double last, bool even, const LightOverTime& light, const At& at, LightSum& sum,
+void add_light(double first, double last, const LightOverTime& light, const At& at, LightSum& sum,
                const Part& part) {
   struct Nodes {
     LightSum mean;
     double spread = 0.0;
   };
   const auto nodes = [&](double a, double b) {
-    LightSum looks[3];
+    const ThreeNodes at_nodes(light, a, b);
+    const LightSum looks[3] = {at(at_nodes.time[0]), at(at_nodes.time[1]), at(at_nodes.time[2])};
     Nodes n;
-    for (int k = 0; k < 3; ++k) {
-      looks[k] = at(light.time(a + light_nodes[k].at * (b - a)));
-      n.mean.add(looks[k], light_nodes[k].weight);
-    }
+    n.mean.add(looks[0], ThreeNodes::side);
+    n.mean.add(looks[1], ThreeNodes::middle);
+    n.mean.add(looks[2], ThreeNodes::side);
     for (int c = 0; c < 4; ++c)
       n.spread = std::max(
           {n.spread, std::abs(looks[0].v[c] - looks[1].v[c]), std::abs(looks[2].v[c] - looks[1].v[c])});
     return n;
   };
   const auto refine = [&](const auto& self, double a, double b, const Nodes& whole, int halvings) -> void {
-    if (even || halvings == 0 || !(whole.spread > 0x1p-10)) {
+    if (halvings == 0 || !(whole.spread > 0x1p-10)) {
       sum.add(whole.mean, b - a);
       part(a, b);
       return;
@@ -76,26 +96,6 @@ void add_light(double first, double last, bool even, const LightOverTime& light,
     self(self, half, b, right, halvings - 1);
   };
   if (first < last) refine(refine, first, last, nodes(first, last), 10);
-}
-template <class At>
-void add_light(double first, double last, bool even, const LightOverTime& light, const At& at,
-               LightSum& sum) {
-  add_light(first, last, even, light, at, sum, [](double, double) {});
-}
-
-/// What a place sees of a mesh at a time at which it sees these triangles in this order.
-inline LightSum light_at(std::span<const std::uint32_t> seen, const std::vector<TriangleStretch>& triangles,
-                         const Eigen::Vector3d& ray, double time) {
-  LightSum sum;
-  double left = 1.0;
-  for (const std::uint32_t t : seen) {
-    const TriangleStretch::Look look = triangles[t].look(ray, time);
-    for (int c = 0; c < 4; ++c) sum.v[c] += left * look.rgba[c];
-    sum.v[4] += left * look.rgba[3] * look.depth;
-    left *= 1.0 - look.rgba[3];
-    if (left < double{opaque_transmittance}) break;
-  }
-  return sum;
 }
 
 }  // namespace swept

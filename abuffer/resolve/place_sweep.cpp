@@ -1,111 +1,147 @@
 #include "abuffer/resolve/place_sweep.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <tuple>
 
+#include "splat/interval/composite.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
 
 void PlaceSweep::cut(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
-                     const Eigen::Vector3d& ray) {
-  pieces_.clear();
-  seen_.clear();
+                     const Eigen::Vector3d& ray, PlaceView& view) {
+  triangles_ = &triangles;
+  ray_ = &ray;
+  view_ = &view;
+  first_piece_ = view.pieces.size();
   // The order of sources is that of the mesh, whatever the tile.
   std::sort(intervals.begin(), intervals.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
     return std::tie(a.begin, a.source, a.end) < std::tie(b.begin, b.source, b.end);
   });
-  events_.clear();
+  const auto first = static_cast<std::uint32_t>(view.layers.size());
   for (const PlaceInterval& i : intervals) {
-    events_.push_back(i.begin);
-    events_.push_back(i.end);
+    const TriangleStretch& t = triangles[i.source];
+    view.layers.push_back(
+        {i.begin, i.end, i.nearest, i.farthest, i.source, PlaceLayer::none, t.least_alpha, t.opaque, false});
   }
-  std::sort(events_.begin(), events_.end());
-  events_.erase(std::unique(events_.begin(), events_.end()), events_.end());
   active_.clear();
-  std::size_t next = 0;
-  for (std::size_t e = 0; e + 1 < events_.size(); ++e) {
-    const double begin = events_[e], end = events_[e + 1];
-    std::erase_if(active_, [&](const PlaceInterval* i) { return i->end <= begin; });
-    while (next < intervals.size() && intervals[next].begin <= begin) active_.push_back(&intervals[next++]);
-    if (!active_.empty()) piece(begin, end, triangles, ray);
-  }
-}
-
-void PlaceSweep::piece(double begin, double end, const std::vector<TriangleStretch>& triangles,
-                       const Eigen::Vector3d& ray) {
-  float hidden_from = std::numeric_limits<float>::infinity();
-  for (const PlaceInterval* i : active_)
-    if (triangles[i->source].opaque) hidden_from = std::min(hidden_from, i->farthest);
   near_.clear();
-  for (const PlaceInterval* i : active_)
-    if (i->nearest <= hidden_from) near_.push_back(i);
-  // Depths are Na/Da and Nb/Db: they are equal where Na·Db − Nb·Da is 0.
   crossings_.clear();
-  for (std::size_t a = 0; a < near_.size(); ++a) {
+  const auto last = static_cast<std::uint32_t>(view.layers.size());
+  std::uint32_t next = first;
+  for (double begin = 0.0; next < last || !active_.empty();) {
     throw_if_stopped(stop);
-    for (std::size_t b = a + 1; b < near_.size(); ++b) {
-      if (near_[a]->farthest < near_[b]->nearest || near_[b]->farthest < near_[a]->nearest) continue;
-      // Over all the time that both are there, so that what begins or ends behind them changes no bit.
-      const double both_from = std::max(near_[a]->begin, near_[b]->begin),
-                   both_to = std::min(near_[a]->end, near_[b]->end);
-      const auto depth = [&](std::size_t i) {
-        const TriangleStretch& t = triangles[near_[i]->source];
-        const double low = std::clamp(t.local(both_from), 0.0, 1.0),
-                     high = std::clamp(t.local(both_to), low, 1.0);
-        return t.depth(ray, low, high);
-      };
-      const DepthOverTime of_a = depth(a), of_b = depth(b);
-      const Bernstein one = product(of_a.above, of_b.below), other = product(of_b.above, of_a.below);
-      const int degree = std::max(one.degree, other.degree);
-      const SignChanges changes = sign_changes(difference(one.raised(degree), other.raised(degree)));
-      for (int k = 0; k < changes.count; ++k) {
-        const double t = both_from + (both_to - both_from) * changes.at[static_cast<std::size_t>(k)];
-        if (t > begin && t < end) crossings_.push_back(t);
-      }
-    }
-  }
-  if (crossings_.empty()) return ordered(begin, end, triangles, ray);
-  counters.crossings += crossings_.size();
-  std::sort(crossings_.begin(), crossings_.end());
-  crossings_.push_back(end);
-  double from = begin;
-  for (const double to : crossings_) {
-    if (from < to) ordered(from, to, triangles, ray);
-    from = to;
+    if (active_.empty()) begin = view.layers[next].begin;
+    while (next < last && view.layers[next].begin <= begin) active_.push_back(next++);
+    find_near(begin);
+    find_crossings(begin);
+    double end = next < last ? view.layers[next].begin : std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : active_) end = std::min(end, view.layers[i].end);
+    bool crossed = false;
+    for (; !crossings_.empty() && crossings_.front() <= begin; crossings_.pop_back(), crossed = true)
+      std::pop_heap(crossings_.begin(), crossings_.end(), std::greater<>());
+    if (!crossings_.empty()) end = std::min(end, crossings_.front());
+    order(0.5 * begin + 0.5 * end, crossed);
+    see(begin, end);
+    begin = end;
+    std::erase_if(active_, [&](std::uint32_t i) { return view.layers[i].end <= begin; });
   }
 }
 
-void PlaceSweep::ordered(double begin, double end, const std::vector<TriangleStretch>& triangles,
-                         const Eigen::Vector3d& ray) {
-  throw_if_stopped(stop);
-  PlacePiece piece{begin, end, static_cast<std::uint32_t>(seen_.size()), 0};
-  if (near_.size() == 1) {
-    seen_.push_back(near_.front()->source);
-  } else {
-    const double middle = 0.5 * begin + 0.5 * end;
-    order_.clear();
-    for (const PlaceInterval* i : near_) order_.push_back({triangles[i->source].look(ray, middle).depth, i});
-    // Equal depths: as the mesh has them.
-    std::sort(order_.begin(), order_.end(), [](const At& a, const At& b) {
-      return std::tie(a.depth, a.interval->source) < std::tie(b.depth, b.interval->source);
-    });
-    for (const At& at : order_) {
-      seen_.push_back(at.interval->source);
-      if (triangles[at.interval->source].opaque) break;
-    }
+/// Leaves in near_ what is still there and may be seen, and puts into new_ what comes to be.
+void PlaceSweep::find_near(double begin) {
+  std::vector<PlaceLayer>& layers = view_->layers;
+  float hidden_from = std::numeric_limits<float>::infinity();
+  for (const std::uint32_t i : active_)
+    if (layers[i].opaque) hidden_from = std::min(hidden_from, layers[i].farthest);
+  std::erase_if(near_, [&](std::uint32_t i) {
+    layers[i].near = layers[i].end > begin && layers[i].nearest <= hidden_from;
+    return !layers[i].near;
+  });
+  new_.clear();
+  for (const std::uint32_t i : active_)
+    if (!layers[i].near && layers[i].nearest <= hidden_from) new_.push_back(i);
+}
+
+/// Of what is new and all others that are near: each pair once, over all the time that both are there, so
+/// that what begins or ends behind them changes no bit.
+void PlaceSweep::find_crossings(double begin) {
+  std::vector<PlaceLayer>& layers = view_->layers;
+  const std::size_t known = crossings_.size();
+  const auto meet = [&](std::uint32_t one, std::uint32_t other) {
+    const PlaceLayer &a = layers[one], &b = layers[other];
+    if (a.farthest < b.nearest || b.farthest < a.nearest) return;
+    // In one order, whichever came first.
+    const std::uint32_t low = a.source < b.source ? one : other, high = low == one ? other : one;
+    (void)depth(low);
+    const PlaceDepth& of_high = depth(high);
+    PlaceDepth::add_crossings(depth(low), of_high, std::max(a.begin, b.begin), std::min(a.end, b.end),
+                              crossings_);
+  };
+  for (std::size_t i = 0; i < new_.size(); ++i) {
+    throw_if_stopped(stop);
+    layers[new_[i]].near = true;
+    for (const std::uint32_t other : near_) meet(new_[i], other);
+    for (std::size_t k = 0; k < i; ++k) meet(new_[i], new_[k]);
   }
-  piece.count = static_cast<std::uint32_t>(seen_.size()) - piece.first;
-  // What begins or ends behind is no event.
-  if (!pieces_.empty() && pieces_.back().end == begin && pieces_.back().count == piece.count &&
-      std::equal(seen_.begin() + piece.first, seen_.end(), seen_.begin() + pieces_.back().first)) {
-    pieces_.back().end = end;
-    seen_.resize(piece.first);
+  const auto found = crossings_.begin() + static_cast<std::ptrdiff_t>(known);
+  crossings_.erase(std::remove_if(found, crossings_.end(), [&](double t) { return !(t > begin); }),
+                   crossings_.end());
+  counters.crossings += crossings_.size() - known;
+  for (std::size_t i = known; i < crossings_.size(); ++i)
+    std::push_heap(crossings_.begin(), crossings_.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                   std::greater<>());
+}
+
+/// Puts near_ and new_ into near_, by depth at that time; equal depths as the mesh has them.
+void PlaceSweep::order(double time, bool crossed) {
+  const auto before = [&](std::uint32_t one, std::uint32_t other) {
+    const PlaceLayer &a = view_->layers[one], &b = view_->layers[other];
+    if (a.farthest < b.nearest) return true;
+    if (b.farthest < a.nearest) return false;
+    (void)depth(one);
+    const double of_other = depth(other).at(time), of_one = depth(one).at(time);
+    return of_one != of_other ? of_one < of_other : a.source < b.source;
+  };
+  // What was there before keeps its order, unless some have passed through each other.
+  if (crossed) {
+    new_.insert(new_.end(), near_.begin(), near_.end());
+    near_.clear();
+    std::sort(new_.begin(), new_.end(), before);
+    near_.swap(new_);
     return;
   }
+  for (const std::uint32_t i : new_)
+    near_.insert(std::partition_point(near_.begin(), near_.end(),
+                                      [&](std::uint32_t other) { return before(other, i); }),
+                 i);
+}
+
+void PlaceSweep::see(double begin, double end) {
+  PlacePiece piece{begin, end, static_cast<std::uint32_t>(view_->seen.size()), 0};
+  float left = 1.0f;
+  for (const std::uint32_t i : near_) {
+    view_->seen.push_back(i);
+    const PlaceLayer& layer = view_->layers[i];
+    left *= 1.0f - layer.least_alpha;
+    if (layer.opaque || left < opaque_transmittance) break;
+  }
+  const std::vector<std::uint32_t>& seen = view_->seen;
+  piece.count = static_cast<std::uint32_t>(seen.size()) - piece.first;
+  // What begins or ends behind is no event.
+  if (view_->pieces.size() > first_piece_) {
+    PlacePiece& before = view_->pieces.back();
+    if (before.end == begin && before.count == piece.count &&
+        std::equal(seen.begin() + piece.first, seen.end(), seen.begin() + before.first)) {
+      before.end = end;
+      view_->seen.resize(piece.first);
+      return;
+    }
+  }
   ++counters.pieces;
-  pieces_.push_back(piece);
+  view_->pieces.push_back(piece);
 }
 
 }  // namespace swept

@@ -128,6 +128,10 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     plain = false;
     opaque = opaque && of.opaque_texture(t);
   }
+  least_alpha = 1.0f;
+  for (std::size_t i = 0; i < 3; ++i)
+    least_alpha = std::min({least_alpha, rgba[i][3], rgba[i][3] + more[i][3]});
+  if (texture != nullptr && !of.opaque_texture()) least_alpha = 0.0f;
   for (std::size_t i = 0; i < 3; ++i) edge_[i] = EdgeFunction(path[(i + 1) % 3], path[(i + 2) % 3], degree_);
   // Counter-clockwise from the front: all edge functions are below 0 there.
   shows_above_ = object.two_sided || of.mirrored(stretch);
@@ -149,6 +153,34 @@ bool TriangleStretch::misses_of(const Eigen::Vector3d& ray, double half_x, doubl
     below = below || all_below;
   }
   return (above || !shows_below_) && (below || !shows_above_);
+}
+
+template <int n>
+std::uint32_t TriangleStretch::may_meet_of(const RaysOfPixel& rays) const {
+  // As numbers of one width, which lets a compiler do several places at once.
+  using Wide = std::uint64_t;
+  constexpr Wide yes = ~Wide{0};
+  Wide above[pixel_places] = {}, below[pixel_places] = {};
+  for (const EdgeFunction& edge : edge_) {
+    Wide all_above[pixel_places], all_below[pixel_places];
+    std::fill(all_above, all_above + pixel_places, yes);
+    std::fill(all_below, all_below + pixel_places, yes);
+    for (int k = 0; k <= 2 * n; ++k) {
+      const Eigen::Vector3d& normal = edge.normal(static_cast<std::size_t>(k));
+      const double a = normal.x(), b = normal.y(), c = normal.z();
+      for (int p = 0; p < pixel_places; ++p) {
+        const double e = a * rays.x[p] + (b * rays.y[p] + c);
+        all_above[p] &= e > 0.0 ? yes : 0;
+        all_below[p] &= e < 0.0 ? yes : 0;
+      }
+    }
+    for (int p = 0; p < pixel_places; ++p) above[p] |= all_above[p], below[p] |= all_below[p];
+  }
+  const Wide no_below = shows_below_ ? 0 : yes, no_above = shows_above_ ? 0 : yes;
+  std::uint32_t may = 0;
+  for (int p = 0; p < pixel_places; ++p)
+    if (((above[p] | no_below) & (below[p] | no_above)) == 0) may |= 1u << p;
+  return may;
 }
 
 template <int n>
@@ -283,6 +315,10 @@ bool TriangleStretch::misses(const Eigen::Vector3d& ray, double half_x, double h
                         : misses_of<3>(ray, half_x, half_y);
 }
 
+std::uint32_t TriangleStretch::may_meet(const RaysOfPixel& rays) const {
+  return degree_ == 1 ? may_meet_of<1>(rays) : degree_ == 2 ? may_meet_of<2>(rays) : may_meet_of<3>(rays);
+}
+
 void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place,
                            std::uint32_t source, std::vector<PlaceInterval>& out) const {
   if (degree_ == 1) return meet_of<1>(ray, from, to, place, source, out);
@@ -294,16 +330,21 @@ TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double t
   return degree_ == 1 ? look_of<1>(ray, time) : degree_ == 2 ? look_of<2>(ray, time) : look_of<3>(ray, time);
 }
 
-DepthOverTime TriangleStretch::depth(const Eigen::Vector3d& ray, double from, double to) const {
-  const auto of = [&]<int n>() -> DepthOverTime {
+int TriangleStretch::depth(const Eigen::Vector3d& ray, double* above, double* below) const {
+  const auto of = [&]<int n>() {
     const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
                                         edge_at<n>(edge_[2], ray)};
     const DepthOf<n> whole(e, z_);
-    return {general(whole.above.part(from, to)), general(whole.below.part(from, to))};
+    std::copy_n(whole.above.c, 3 * n + 1, above);
+    std::copy_n(whole.below.c, 2 * n + 1, below);
   };
-  return degree_ == 1   ? of.template operator()<1>()
-         : degree_ == 2 ? of.template operator()<2>()
-                        : of.template operator()<3>();
+  if (degree_ == 1)
+    of.template operator()<1>();
+  else if (degree_ == 2)
+    of.template operator()<2>();
+  else
+    of.template operator()<3>();
+  return degree_;
 }
 
 }  // namespace swept

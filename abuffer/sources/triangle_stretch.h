@@ -11,8 +11,15 @@
 
 #include "abuffer/sources/moving_mesh.h"
 #include "splat/interval/edge_function.h"
+#include "splat/interval/pixel_places.h"
 
 namespace swept {
+
+/// Rays (x, y, 1) through the places of a pixel.
+struct RaysOfPixel {
+  const double *x, *y;  ///< pixel_places of each
+  [[nodiscard]] Eigen::Vector3d operator[](std::size_t place) const { return {x[place], y[place], 1.0}; }
+};
 
 /// When a place of a pixel sees a triangle, of all the exposure; and between which depths.
 struct PlaceInterval {
@@ -20,11 +27,6 @@ struct PlaceInterval {
   std::uint32_t source;  ///< of the TriangleStretch
   double begin, end;
   float nearest, farthest;
-};
-
-/// The depth over a stretch, as a quotient.
-struct DepthOverTime {
-  Bernstein above, below;
 };
 
 class TriangleStretch {
@@ -35,6 +37,7 @@ class TriangleStretch {
   std::uint32_t mesh, triangle;
   double begin, end;                 ///< of the stretch
   bool plain, opaque;                ///< all corners have one colour; no light comes through
+  float least_alpha;                 ///< anywhere on it, at any time
   float rgba[3][4];                  ///< premultiplied, as the stretch begins
   float more[3][4];                  ///< and by how much more as it ends
   const Texture* texture = nullptr;  ///< multiplies them
@@ -43,12 +46,15 @@ class TriangleStretch {
   /// Whether no ray within (±half_x, ±half_y) of `ray` meets it. It may say no where that is so, but never
   /// yes where it is not.
   [[nodiscard]] bool misses(const Eigen::Vector3d& ray, double half_x, double half_y) const;
+  /// At which places of a pixel, bit by bit, a ray may meet it; at others none does.
+  [[nodiscard]] std::uint32_t may_meet(const RaysOfPixel& rays) const;
   /// Appends when `ray` meets it between `from` and `to`.
   void meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
             std::vector<PlaceInterval>& out) const;
 
-  /// From local time `from` to `to`.
-  [[nodiscard]] DepthOverTime depth(const Eigen::Vector3d& ray, double from, double to) const;
+  /// The depth over the stretch as a quotient, `above` of 3n + 1 coefficients in Bernstein form and `below`
+  /// of 2n + 1; returns n, the degree of the paths.
+  int depth(const Eigen::Vector3d& ray, double* above, double* below) const;
   [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
 
   struct Look {
@@ -66,6 +72,8 @@ class TriangleStretch {
  private:
   template <int n>
   [[nodiscard]] bool misses_of(const Eigen::Vector3d& ray, double half_x, double half_y) const;
+  template <int n>
+  [[nodiscard]] std::uint32_t may_meet_of(const RaysOfPixel& rays) const;
   template <int n>
   void meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
                std::vector<PlaceInterval>& out) const;
