@@ -64,7 +64,7 @@ Ticks MergedStack::build(const ActiveSet& active, Ticks begin, Ticks end, bool b
     longest_ = longest_piece(rate_, longest_span, model_.delta());
   }
   const double duration = share_of(end - begin);
-  if (duration > double{longest_}) return begin + static_cast<Ticks>(double{longest_} * shutter_close);
+  if (duration > double{longest_}) return begin + longest();
   if (!(range.reach <= 1.0f)) return begin;
   margin_ = 2.0f * range.max_tolerance;
 
@@ -230,16 +230,22 @@ bool MergedStack::add_surface() {
       from += of_member * double{z_from_[k]};
       to += of_member * double{z_to_[k]};
     }
+  // Weights below the normal numbers weigh nothing.
+  if (!(mean.weight >= std::numeric_limits<float>::min())) return true;
+  const double middle = double{mean.depth} / double{mean.weight};
   for (int point = 0; point < 2; ++point) {
+    // Where a member is there for a part of the piece only, its line may be below zero at one of the points.
+    // It has to stay that, for sums and products to be right in the mean.
     const SurfaceSum sum = at_point(mean, swing, point == 0 ? -1.0f : 1.0f);
-    const float factor = model_.scale(sum);
-    if (factor == 0.0f) continue;
+    const float factor = 1.0f / std::max(sum.weight, model_.edge_weight());
     const double left = light_.left[point];
-    const float alpha = std::clamp(sum.rgba[3] * factor, 0.0f, 1.0f);
+    const float alpha = std::min(sum.rgba[3] * factor, 1.0f);
     const float of_color = model_.per_pixel() ? 1.0f : factor;
     for (int c = 0; c < 3; ++c) light_.color[point][c] += left * double{sum.rgba[c] * of_color};
     if (model_.per_pixel()) light_.opacity[point] += left * double{sum.rgba[3]};
-    light_.depth[point] += left * (double{alpha} * double{sum.depth / sum.weight});
+    // A quotient of lines where there is next to nothing is no depth.
+    const double z = sum.weight > 0.25f * mean.weight ? double{sum.depth / sum.weight} : middle;
+    light_.depth[point] += left * (double{alpha} * z);
     if (by_depth_) {
       Sample sample{{from / weight, to / weight}, {0.0, 0.0, 0.0, left * double{alpha}}};
       (point == 0 ? sample.span.to : sample.span.from) = 0.5 * (from + to) / weight;
@@ -341,7 +347,7 @@ void MergedStack::resolve_apart(std::size_t first, std::size_t last) {
   for (int point = 0; point < 2; ++point) {
     const double sign = point == 0 ? -1.0 : 1.0, left = light_.left[point];
     const auto value = [&](double StackLook::*of) { return mean_look_.*of + sign * swing_look_.*of; };
-    const double alpha = std::clamp(value(&StackLook::alpha), 0.0, 1.0);
+    const double alpha = std::min(value(&StackLook::alpha), 1.0);
     double color[3];
     for (int c = 0; c < 3; ++c) color[c] = left * (mean_look_.color[c] + sign * swing_look_.color[c]);
     for (int c = 0; c < 3; ++c) light_.color[point][c] += color[c];

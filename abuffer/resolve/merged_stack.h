@@ -47,6 +47,8 @@ class MergedStack {
   [[nodiscard]] float limit() const { return light_.limit; }
   [[nodiscard]] float margin() const { return margin_; }
   [[nodiscard]] bool one_covers() const { return one_covers_; }
+  /// How long a piece of the members that were there the last time may be.
+  [[nodiscard]] Ticks longest() const { return static_cast<Ticks>(double{longest_} * shutter_close); }
 
  private:
   /// Gathered so far, front to back, at Gauss's two points.

@@ -19,11 +19,11 @@ constexpr Ticks never = std::numeric_limits<Ticks>::max();
 constexpr float most_jumps = 0.2f;
 
 /// Fewer members are soon resolved from event to event.
-constexpr std::size_t least_to_merge = 8;
+constexpr std::size_t least_to_merge = 32;
 /// How many fragments a merged stack takes in where nothing is known better.
-constexpr std::size_t first_merged = 6;
+constexpr std::size_t first_merged = 3;
 /// For how many stacks at the most none is tried to be merged after that has failed.
-constexpr int longest_pause = 31;
+constexpr int longest_pause = 255;
 
 std::uint64_t event_key(Ticks time, std::size_t place) {
   return static_cast<std::uint64_t>(time) << 32 | place;
@@ -380,7 +380,8 @@ std::optional<Ticks> PixelSweep::resolve_merged(Ticks begin, Ticks event, PixelS
     ++counters_->intervals;
     ++counters_->merged;
     pauses_ = 0;
-    merged_step_ = (failed ? 1 : 2) * std::min(end - begin, shutter_close / 4);
+    merged_step_ = std::min(merged_.longest() - merged_.longest() / 8,
+                            (failed ? 1 : 2) * std::min(end - begin, shutter_close / 4));
     front_limit_ = infinity;
     if (opaque) hide_what_is_behind(merged_.limit() + merged_.margin(), end);
     step_ = merged_.one_covers() ? end - begin : 0;
