@@ -210,7 +210,19 @@ TEST(IntervalMath, FrontsAndSwingsHaveTheSameBitsInAllBuilds) {
                        {from.data(), to.data(), out[0].data(), out[1].data(), out[2].data(), out[3].data()});
     };
     swings(builds[0], first);
+    std::array<std::vector<float>, 8> first_presences, presences;
+    const auto present = [&](const IntervalMath& math, std::array<std::vector<float>, 8>& out) {
+      for (std::vector<float>& field : out) field.resize(view.padded);
+      return math.presences_over(view, begin, end,
+                                 {out[0].data(), out[1].data(), out[2].data(), out[3].data(), out[4].data(),
+                                  out[5].data(), out[6].data(), out[7].data()});
+    };
+    const PresenceRange range = present(builds[0], first_presences);
     for (const IntervalMath& math : builds.subspan(1)) {
+      ASSERT_EQ(bits_of_floats(range), bits_of_floats(present(math, presences))) << math.name << " " << i;
+      for (int a = 0; a < 8; ++a)
+        ASSERT_TRUE(same_bits(first_presences[a].data(), presences[a].data(), view.count))
+            << math.name << " " << i;
       const FrontSum other = math.front_over(view, begin, end);
       ASSERT_EQ(front.settled_until, other.settled_until) << math.name << " " << i;
       if (front.settled_until == end) {

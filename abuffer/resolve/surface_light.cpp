@@ -187,6 +187,25 @@ void SurfaceStack::add_both_points(double duration, PixelSum& pixel) const {
   pixel.opacity += opacity[0] + opacity[1];
 }
 
+void SurfaceStack::look(StackLook (&looks)[2]) const {
+  for (int point = 0; point < 2; ++point) {
+    StackLook& look = looks[point] = {};
+    double left = 1.0;
+    for (const Surface& surface : surfaces_) {
+      const SurfaceSum sum = at_point(surface.mean, surface.swing, point == 0 ? -1.0f : 1.0f);
+      const float factor = model_.scale(sum);
+      if (factor == 0.0f) continue;
+      const double alpha = double{std::min(sum.rgba[3] * factor, 1.0f)};
+      const float of_color = model_.per_pixel() ? 1.0f : factor;
+      for (int c = 0; c < 3; ++c) look.color[c] += left * double{sum.rgba[c] * of_color};
+      if (model_.per_pixel()) look.opacity += left * double{sum.rgba[3]};
+      look.depth += left * (alpha * double{sum.depth / sum.weight});
+      left *= 1.0 - alpha;
+    }
+    look.alpha = 1.0 - left;
+  }
+}
+
 void SurfaceStack::hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters) {
   ++counters.intervals;
   const Members all = active_->members.view();

@@ -97,6 +97,14 @@ struct ActiveSet {
   }
 };
 
+/// What a stack shows at an instant, and of how much light.
+struct StackLook {
+  double color[3] = {0.0, 0.0, 0.0};  ///< as of PixelSum, by normalisation
+  double alpha = 0.0;
+  double depth = 0.0;    ///< weighted by alpha
+  double opacity = 0.0;  ///< Normalisation::pixel alone
+};
+
 /// Takes a set of fragments apart into surfaces, front to back, as deep as light gets (model sections 1.2
 /// to 1.5).
 class SurfaceStack {
@@ -125,6 +133,8 @@ class SurfaceStack {
 
   /// Adds what was built over [begin, end], the end being the one that build() returned.
   void composite(Ticks begin, Ticks end, PixelSum& pixel, SweepCounters& counters);
+  /// The same at Gauss's two points, if it was started `apart`.
+  void look(StackLook (&looks)[2]) const;
   /// Hands over the same.
   void hand_over(Ticks begin, Ticks end, PieceSink& sink, SweepCounters& counters);
 

@@ -18,6 +18,13 @@ constexpr Ticks never = std::numeric_limits<Ticks>::max();
 /// as steps are far from the worst x, go to both sides, or are of like colours.
 constexpr float most_jumps = 0.2f;
 
+/// Fewer members are soon resolved from event to event.
+constexpr std::size_t least_to_merge = 32;
+/// How many fragments a merged stack takes in where nothing is known better.
+constexpr std::size_t first_merged = 3;
+/// For how many stacks at the most none is tried to be merged after that has failed.
+constexpr int longest_pause = 255;
+
 std::uint64_t event_key(Ticks time, std::size_t place) {
   return static_cast<std::uint64_t>(time) << 32 | place;
 }
@@ -78,6 +85,9 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
   front_limit_ = infinity;
   forget_hidden();
   surfaces_.start(count, sink_ != nullptr);
+  merged_.start(count);
+  merged_step_ = 0;
+  pause_ = pauses_ = 0;
 }
 
 void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
@@ -336,9 +346,57 @@ void PixelSweep::add_front(const FrontSum& front, Front kind, Ticks begin, Ticks
   }
 }
 
+/// Resolves a stack from `begin` to beyond the next event, and returns its end; `begin` itself if what is
+/// hidden has to be looked at from there; or nothing where that cannot be done.
+std::optional<Ticks> PixelSweep::resolve_merged(Ticks begin, Ticks event, PixelSum& pixel) {
+  if (model_.hard() || sink_ != nullptr || changes_.of != nullptr || active_.members.size() < least_to_merge)
+    return std::nullopt;
+  if (pause_ > 0) {
+    --pause_;
+    return std::nullopt;
+  }
+  Ticks end = begin + merged_step_;
+  if (merged_step_ == 0)
+    end = next_ < begins_.size() ? event_time(begins_[std::min(next_ + first_merged, begins_.size() - 1)])
+                                 : begin + 4 * std::min(event - begin, shutter_close / 16);
+  end = std::min(end, shutter_close);
+  bool failed = false;
+  while (end > event) {
+    admit(end);
+    const Ticks settled = merged_.build(active_, begin, end, pixel.by_depth != nullptr, *counters_);
+    if (settled < end) {
+      failed = true;
+      ++counters_->retried;
+      end = settled;
+      withdraw(std::max(end, begin + 1));
+      continue;
+    }
+    const bool opaque = merged_.opaque();
+    if (!hidden_.empty() && !(opaque && merged_.limit() < hidden_min_z_)) {
+      reveal(begin);
+      return begin;
+    }
+    merged_.add_to(pixel);
+    ++counters_->intervals;
+    ++counters_->merged;
+    pauses_ = 0;
+    merged_step_ = std::min(merged_.longest() - merged_.longest() / 8,
+                            (failed ? 1 : 2) * std::min(end - begin, shutter_close / 4));
+    front_limit_ = infinity;
+    if (opaque) hide_what_is_behind(merged_.limit() + merged_.margin(), end);
+    step_ = merged_.one_covers() ? end - begin : 0;
+    return end;
+  }
+  withdraw(std::max(begin + 1, std::min(end, event)));
+  merged_step_ = 0;
+  pause_ = pauses_ = std::min(2 * pauses_ + 1, longest_pause);
+  return std::nullopt;
+}
+
 /// Resolves [begin, end], between two events, surface by surface; or up to the returned time if what is
 /// hidden has to be looked at from there.
 Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
+  if (const std::optional<Ticks> merged = resolve_merged(begin, end, pixel)) return *merged;
   step_ = 0;
   while (begin < end) {
     const Ticks piece_end = surfaces_.build(active_, begin, end, *counters_);

@@ -12,7 +12,8 @@
 //   end
 //           within, for each is integrated over the time that it is there, and what each adds or takes is
 //           little
-//   stack   surfaces behind surfaces, or one that begins to cover: from event to event
+//   stack   surfaces behind surfaces, or one that begins to cover: over events too where these change little
+//           (merged_stack.h), else from event to event
 //
 // Most fragments are hidden most of the time. A fragment that begins behind an opaque surface is put aside
 // and its events are passed over; every piece then proves that nothing put aside could have been part of it,
@@ -24,8 +25,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "abuffer/resolve/merged_stack.h"
 #include "abuffer/resolve/surfaces.h"
 #include "splat/interval/composite.h"
 #include "splat/interval/fragments.h"
@@ -43,7 +46,7 @@ struct ChangingShades {
 class PixelSweep {
  public:
   explicit PixelSweep(const SurfaceModel& model, const IntervalMath& math = interval_math_builds().back())
-      : model_(model), math_(math), surfaces_(model, math) {}
+      : model_(model), math_(math), surfaces_(model, math), merged_(model, math) {}
 
   /// Resolves the `count` fragments `indices` of `fragments`, in any order, provided it does not depend on
   /// the order of the scene's points. Adds to `pixel` and `counters`.
@@ -86,11 +89,15 @@ class PixelSweep {
   void add_front(const FrontSum& front, Front kind, Ticks begin, Ticks end, PixelSum& pixel) const;
   Ticks advance(Ticks begin, PixelSum& pixel);
   Ticks resolve_stack(Ticks begin, Ticks end, PixelSum& pixel);
+  std::optional<Ticks> resolve_merged(Ticks begin, Ticks event, PixelSum& pixel);
   [[nodiscard]] Ticks longest_step(float rate);
 
   SurfaceModel model_;
   IntervalMath math_;
   SurfaceStack surfaces_;
+  MergedStack merged_;
+  Ticks merged_step_ = 0;       ///< how long a merged stack may be, by the one before; 0: not known
+  int pause_ = 0, pauses_ = 0;  ///< for how many stacks none is tried, and for how many it was the last time
 
   // One call's input: place in `indices` → fragment.
   const FragmentArrays* fragments_ = nullptr;

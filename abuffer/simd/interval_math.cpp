@@ -13,6 +13,7 @@ DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, fl
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
 void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean, const Swings& out);
+PresenceRange presences_over_scalar(const Members& members, Ticks begin, Ticks end, const Presences& out);
 
 namespace {
 
@@ -33,6 +34,10 @@ FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
   return front_over_text(members, begin, end);
 }
 
+PresenceRange presences_over_default(const Members& members, Ticks begin, Ticks end, const Presences& out) {
+  return presences_over_text(members, begin, end, out);
+}
+
 #if defined(SWEPT_AVX2)
 #define SWEPT_BUILD(name, isa)                                                                               \
   __attribute__((target(isa))) void swings_over_##name(const Members& members, Ticks begin, Ticks end,       \
@@ -41,6 +46,10 @@ FrontSum front_over_default(const Members& members, Ticks begin, Ticks end) {
   }                                                                                                          \
   __attribute__((target(isa))) FrontSum front_over_##name(const Members& members, Ticks begin, Ticks end) {  \
     return front_over_text(members, begin, end);                                                             \
+  }                                                                                                          \
+  __attribute__((target(isa))) PresenceRange presences_over_##name(const Members& members, Ticks begin,      \
+                                                                   Ticks end, const Presences& out) {        \
+    return presences_over_text(members, begin, end, out);                                                    \
   }                                                                                                          \
   __attribute__((target(isa))) DepthRange depths_over_##name(const Members& members, Ticks begin, Ticks end, \
                                                              float* z_begin, float* z_end) {                 \
@@ -57,12 +66,15 @@ SWEPT_BUILD(avx512, "avx2,avx512f,avx512vl,avx512bw,avx512dq")
 #undef SWEPT_BUILD
 #endif
 
-constexpr std::array builds = {
-    IntervalMath{"scalar", depths_over_scalar, sum_over_scalar, swings_over_scalar, front_over_scalar},
-    IntervalMath{"default", depths_over_default, sum_over_default, swings_over_default, front_over_default},
+constexpr std::array builds = {IntervalMath{"scalar", depths_over_scalar, sum_over_scalar, swings_over_scalar,
+                                            front_over_scalar, presences_over_scalar},
+                               IntervalMath{"default", depths_over_default, sum_over_default,
+                                            swings_over_default, front_over_default, presences_over_default},
 #if defined(SWEPT_AVX2)
-    IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2, swings_over_avx2, front_over_avx2},
-    IntervalMath{"AVX-512", depths_over_avx512, sum_over_avx512, swings_over_avx512, front_over_avx512}
+                               IntervalMath{"AVX2", depths_over_avx2, sum_over_avx2, swings_over_avx2,
+                                            front_over_avx2, presences_over_avx2},
+                               IntervalMath{"AVX-512", depths_over_avx512, sum_over_avx512,
+                                            swings_over_avx512, front_over_avx512, presences_over_avx512}
 #endif
 };
 

@@ -83,6 +83,22 @@ struct Swings {
   float *depth, *depth_swing;    ///< of ρz
 };
 
+/// By member, over a piece in which members may begin and end: what presences_over() writes. Each array has
+/// room for `padded` values.
+struct Presences {
+  float *mean, *swing;  ///< of ρ, zero where the member is not there; as in FrontSum
+  float* variation;     ///< a bound of how far ρ gets below its mean, and half of how far above it
+  float* jump;          ///< a bound of the ρ by which the member begins and ends within the piece; else 0
+  float *depth, *depth_swing;  ///< of ρz
+  float *z_from, *z_to;        ///< depth where the member is first there within the piece, and last
+};
+
+/// Of all members.
+struct PresenceRange {
+  float max_rate, max_tolerance;
+  float reach;  ///< the sums hold if this is at most 1
+};
+
 /// The arithmetic as built for one instruction set. All builds give the same bits.
 struct IntervalMath {
   const char* name;
@@ -103,6 +119,10 @@ struct IntervalMath {
   /// The nearest surface over [begin, end], of members that may begin and end within: at every instant those
   /// within the nearest one's tolerance of it. Precondition: begin < end.
   FrontSum (*front_over)(const Members& members, Ticks begin, Ticks end);
+
+  /// Each member by itself over [begin, end], of members that may begin and end within, but are all there at
+  /// some time of it. Precondition: begin < end.
+  PresenceRange (*presences_over)(const Members& members, Ticks begin, Ticks end, const Presences& out);
 };
 
 /// Those this processor can run: first the plain loops that define what the others compute, last the widest.

@@ -398,6 +398,60 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
   return sum;
 }
 
+SWEPT_INLINE PresenceRange presences_over_text(const Members& members, Ticks begin, Ticks end,
+                                               const Presences& out) {
+  const float *t = members.field(member_t_begin), *t_end = members.field(member_t_end),
+              *y = members.field(member_y), *rate = members.field(member_rate),
+              *peak = members.field(member_peak), *z = members.field(member_z),
+              *z_rate = members.field(member_z_rate), *tolerance = members.field(member_tolerance),
+              *jump = members.field(member_jump);
+  const auto duration = static_cast<float>(share_of(end - begin));
+  const float per_duration = 1.0f / static_cast<float>(end - begin);
+  const LaneTicks first = all_ticks(begin), last = all_ticks(end);
+  Lanes max_rate = all(0.0f), max_tolerance = max_rate, reaches = max_rate;
+  for (std::size_t i = 0; i < members.padded; i += member_lanes) {
+    const LaneBits present = lanes_below(members.count - i);
+    const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
+    const LaneTicks from = later(born, first), to = sooner(dies, last);
+    const LaneBits begins = below(first, from), ends = below(to, last), partial = begins | ends;
+    // ρ about the middle of the time that the member is there, as in front_over_text().
+    const Lanes ticks = floats_from(to - from), there = ticks * per_tick;
+    const Lanes speed = only(present, load(rate + i)), span = speed * there;
+    const Lanes until_there = floats_from(from - born) * per_tick;
+    const Lanes middle = load(y + i) + speed * (until_there + 0.5f * there);
+    const Lanes of_exp = within_exp(middle);
+    const Lanes at_middle = only(present, load(peak + i)) * exp_minus_square(of_exp);
+    const Lanes m = at_middle * GaussianSeries<float>::factor(of_exp, span);
+    reaches = larger(reaches, only(present, series_reach(of_exp, span)));
+    max_rate = larger(max_rate, speed);
+    max_tolerance = larger(max_tolerance, only(present, load(tolerance + i)));
+
+    const Lanes share = choose(partial, ticks * per_duration, all(1.0f));
+    const Lanes after = (floats_from(from - first) - floats_from(last - to)) * (0.5f * per_duration);
+    const Lanes x = larger(smaller(middle, all(9.3f)), all(-9.3f)) * span, square = x * x + span * span;
+    const Lanes centroid = x * ((1.0f / 90.0f) * square - (1.0f / 6.0f));
+    const Lanes mean = share * m, swing = mean * (after + share * centroid) * (6.0f * root_third);
+    store(mean, out.mean + i);
+    store(swing, out.swing + i);
+    // While it is there, as the variation of sum_over_text(); one that is not there always may be anything
+    // from 0 to its most.
+    const Lanes within = m * (magnitude(x) + 0.25f * (span * span) + (1.0f / 6.0f) * (x * x));
+    store(choose(partial, m + within + within, within), out.variation + i);
+    const Lanes step = load(jump + i);
+    store(only(begins, step) + only(ends, step), out.jump + i);
+
+    const Lanes slope = load(z_rate + i), z_from = load(z + i) + slope * until_there;
+    store(z_from, out.z_from + i);
+    store(z_from + slope * there, out.z_to + i);
+    // On the line through its depths, prolonged to all of the piece.
+    const Lanes z_middle = z_from + slope * (0.5f * duration - floats_from(from - first) * per_tick);
+    const Lanes z_swing = slope * (0.5f * root_third * duration);
+    store(mean * z_middle + swing * z_swing, out.depth + i);
+    store(swing * z_middle + mean * z_swing, out.depth_swing + i);
+  }
+  return {largest(max_rate), largest(max_tolerance), largest(reaches)};
+}
+
 }  // namespace
 }  // namespace swept
 

@@ -8,6 +8,7 @@ DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, fl
 MemberSum sum_over_scalar(const Members& members, Ticks begin, Ticks end, float* mean);
 FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end);
 void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean, const Swings& out);
+PresenceRange presences_over_scalar(const Members& members, Ticks begin, Ticks end, const Presences& out);
 
 DepthRange depths_over_scalar(const Members& members, Ticks begin, Ticks end, float* z_begin, float* z_end) {
   return depths_over_text(members, begin, end, z_begin, z_end);
@@ -24,6 +25,10 @@ FrontSum front_over_scalar(const Members& members, Ticks begin, Ticks end) {
 void swings_over_scalar(const Members& members, Ticks begin, Ticks end, const float* mean,
                         const Swings& out) {
   swings_over_text(members, begin, end, mean, out);
+}
+
+PresenceRange presences_over_scalar(const Members& members, Ticks begin, Ticks end, const Presences& out) {
+  return presences_over_text(members, begin, end, out);
 }
 
 }  // namespace swept
