@@ -131,7 +131,7 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
   least_alpha = 1.0f;
   for (std::size_t i = 0; i < 3; ++i)
     least_alpha = std::min({least_alpha, rgba[i][3], rgba[i][3] + more[i][3]});
-  if (texture != nullptr && !of.opaque_texture()) least_alpha = 0.0f;
+  if (texture != nullptr && !of.opaque_texture(t)) least_alpha = 0.0f;
   for (std::size_t i = 0; i < 3; ++i) edge_[i] = EdgeFunction(path[(i + 1) % 3], path[(i + 2) % 3], degree_);
   // Counter-clockwise from the front: all edge functions are below 0 there.
   shows_above_ = object.two_sided || of.mirrored(stretch);
