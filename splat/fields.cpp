@@ -316,7 +316,10 @@ Status Field::legal(std::span<const double> values) const {
       subject += ' ';
     }
     if (!std::isfinite(values[i])) return Error{"", at, subject + "must be a finite number"};
-    if (number.whole && values[i] != std::floor(values[i])) return Error{"", at, "expected a whole number"};
+    if (number.whole && values[i] != std::floor(values[i]))
+      return Error{"", at,
+                   pointer == "/fps" ? "expected a whole number, or a fraction such as 24000/1001"
+                                     : "expected a whole number"};
     const bool inside = number.above_low ? values[i] > number.low : values[i] >= number.low;
     if (!inside || values[i] > number.high) return Error{"", at, subject + "must be " + range_text(*this, i)};
   }

@@ -215,6 +215,9 @@ TEST_F(RobustCommand, MistypedWordsAreSuggested) {
   EXPECT_NE(swept("render scene.json --outptu a.exr").err.find("Did you mean --output?"), std::string::npos);
   EXPECT_NE(swept("render scene.json -o a.exr --filter-raduis=2").err.find("--filter-radius?"),
             std::string::npos);
+  EXPECT_NE(swept("render scene.json --out a.exr").err.find("Did you mean --output?"), std::string::npos);
+  EXPECT_NE(swept("render scene.json -o a.exr --fps 23.976").err.find("a fraction such as 24000/1001"),
+            std::string::npos);
   EXPECT_NE(swept("info scene.json --jsno").err.find("Did you mean --json?"), std::string::npos);
   EXPECT_EQ(swept("render scene.json --zzzzzz").err.find("Did you mean"), std::string::npos);
   for (const char* help : {"--help", "render --help"}) {

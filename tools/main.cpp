@@ -1,7 +1,10 @@
 // The swept command. Exit codes: 0 done, 1 something failed, 2 bad arguments.
+#include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -9,6 +12,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "splat/io/point_file.h"
 #include "splat/io/suggestion.h"
 #include "tools/compare_command.h"
 #include "tools/completion.h"
@@ -64,6 +68,14 @@ std::string_view meant(const CLI::App& app, int argc, char** argv) {
   return {};
 }
 
+/// Whether a shell made several files of a pattern that was not in quotes.
+bool names_several_clouds(int argc, char** argv) {
+  std::error_code code;
+  return std::count_if(argv + 1, argv + argc, [&](const char* word) {
+           return swept::is_point_file_name(word) && std::filesystem::exists(word, code);
+         }) > 1;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Exact motion blur for point clouds", "swept");
   app.set_version_flag("--version", "swept " SWEPT_VERSION);
@@ -88,6 +100,8 @@ int run(int argc, char** argv) {
     if (app.exit(error) == 0) return 0;
     if (const std::string_view word = meant(app, argc, argv); !word.empty())
       swept::log("Did you mean {}?\n", word);
+    else if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && names_several_clouds(argc, argv))
+      swept::log("Numbered files are one argument, in quotes: 'name.%04d.ply'\n");
     return 2;
   } catch (const std::bad_alloc&) {
     swept::log("swept: not enough memory\n");

@@ -48,7 +48,20 @@ struct PendingFrame {
   ImageMetadata metadata;
   FrameStatistics* statistics = nullptr;
   std::vector<ImageChannel> layers;
+  bool holds_something = false;  ///< and is no part of the film, which may well show nothing
 };
+
+bool holds_something(const Scene& scene) {
+  return scene.film.crop_width == 0 &&
+         std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
+           return object.cloud.size() > 0 || object.splats.size() > 0;
+         });
+}
+
+bool shows_nothing(const Image& image) {
+  return std::all_of(image.depth.begin(), image.depth.end(),
+                     [](float depth) { return depth == std::numeric_limits<float>::infinity(); });
+}
 
 class FrameLoop {
  public:
@@ -80,7 +93,7 @@ class FrameLoop {
     if (!layers) return of_frame(output, layers.error());
     statistics.render_seconds = watch.lap();
     pending_.push_back({&output, metadata_of(**scene, statistics.scene_hash, std::move(whole_hash), run_),
-                        &statistics, std::move(*layers)});
+                        &statistics, std::move(*layers), holds_something(**scene)});
     return Done{};
   }
 
@@ -131,6 +144,12 @@ class FrameLoop {
         !written)
       return written;
     statistics.write_seconds = watch.lap();
+    if (frame.holds_something && shows_nothing(rendered->image) && !told_of_nothing_) {
+      told_of_nothing_ = true;
+      progress_.note(fmt::format(
+          "note: frame {} shows nothing: all is behind the camera, beside the film, or too small or faint",
+          output.frame));
+    }
     for (const std::string& note : statistics.notes)
       if (told_.insert(note).second) progress_.note("note: " + note);
     progress_.end_frame(output.frame,
@@ -151,6 +170,7 @@ class FrameLoop {
   Progress& progress_;
   std::deque<PendingFrame> pending_;
   std::set<std::string> told_;
+  bool told_of_nothing_ = false;
   std::future<void> ahead_;  ///< last, so that it ends before anything else goes
 };
 

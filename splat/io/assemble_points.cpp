@@ -278,7 +278,7 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
     set.texture_corners.resize(kept);
     std::erase_if(set.triangle, lost);
     set.notes.push_back("dropped " + std::to_string(dropped) + " of " + std::to_string(count) +
-                        " points for numbers that are not finite");
+                        " points for numbers that are not finite, or too large");
   }
   if (plan.log_scale.size() == 3) set.notes.push_back("3D Gaussians: the shortest axis of each is dropped");
   return set;

@@ -184,6 +184,11 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
         n = -1;
         continue;
       }
+      if (errno == ENOENT)
+        return Error{path, "",
+                     "cannot be written: there is no folder " +
+                         std::filesystem::path(file.target_).parent_path().string(),
+                     ErrorKind::not_found};
       if (errno != EEXIST) return file.error("cannot be written", errno);
     }
     return Error{path, "", "cannot be written: its folder is full of temporary files " + stem + ".tmpN",

@@ -9,8 +9,9 @@
 #include "splat/io/cloud_keys.h"
 #include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
-#include "splat/io/normal_looks.h"
 #include "splat/io/mesh_normals.h"
+#include "splat/io/normal_looks.h"
+#include "splat/io/sequence_ends.h"
 #include "splat/io/sequence_looks.h"
 #include "splat/io/surfel_estimate.h"
 
@@ -438,13 +439,15 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
             files[from].path + " move along their velocities");
     }
     if (!loaded) return in_file(loaded.error(), files[from].path);
-    if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
     if (!loaded->materials.names.empty()) loaded->materials_of = files[from].path;
-    if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
-      loaded->report.assumed.push_back(std::move(changes));
     if (source.color_by_normals && !source.color)
       io::turn_colors(from < span.end && loaded->cloud.keys.size() > 1 ? from - span.begin : 0, first, last,
                       loaded->cloud);
+    if (several)
+      if (Status ends = io::add_ends(source, span, first, last, *loaded); !ends) return ends.error();
+    if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
+    if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
+      loaded->report.assumed.push_back(std::move(changes));
     for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
     if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
     return loaded;

@@ -92,7 +92,9 @@ struct LoadedCloud {
 /// (the earlier of two), whose points come first. A point that not all files have exists from halfway after a
 /// file without it until halfway before the next: lifetimes, if that is within [first, last]; it moves there
 /// along its velocity, or stands still, which is told in the report. If counts differ and there are no ids,
-/// the cloud is that nearest file alone, if it has rates.
+/// the cloud is that nearest file alone, if it has rates. Where [first, last] reaches beyond the files,
+/// points move on along the rates of the file at that end, if it has any and is that nearest one; else they
+/// are held.
 ///
 /// Errors: as read_points, counts that differ between files otherwise, frames that do not increase, options
 /// out of range.

@@ -267,8 +267,10 @@ void SceneFile::load_ahead(double frame, const Generator& generator) noexcept {
 std::vector<std::string> SceneFile::notes() const {
   std::vector<std::string> notes = notes_;
   for (std::size_t i = 0; i < clouds_->objects.size(); ++i)
-    for (const std::string& note : clouds_->objects[i].notes)
-      notes.push_back(scene_.objects[i].name + ": " + note);
+    for (const std::string& note : clouds_->objects[i].notes) {
+      const std::string name = scene_.objects[i].name + ": ";
+      notes.push_back(note.starts_with(name) ? note : name + note);
+    }
   return notes;
 }
 

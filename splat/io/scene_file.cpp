@@ -23,7 +23,8 @@ Result<std::string> read_text(const std::string& path) {
   // 100,000 camera keys with matrices take 40 MB; what is larger is not a scene file.
   constexpr std::size_t max_bytes = std::size_t{256} << 20;
   std::error_code code;
-  if (std::filesystem::is_directory(path, code)) return Error{path, "", "is a folder, not a scene file"};
+  if (std::filesystem::is_directory(path, code))
+    return Error{path, "", "is a folder; files in it are named as one, such as FOLDER/name.%04d.ply"};
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{path, "", "cannot open the scene file", ErrorKind::not_found};
   std::string text;
@@ -34,6 +35,23 @@ Result<std::string> read_text(const std::string& path) {
   }
   if (file.bad()) return Error{path, "", "cannot read the scene file", ErrorKind::device};
   return text;
+}
+
+/// What is neither a scene nor of a name that says what else it is.
+Status refuse_other_files(const std::string& path, const std::string& text) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (extension == ".json" || first == std::string::npos || text[first] == '{') return Done{};
+  std::string reason =
+      "is no scene file, which is a JSON object, and its extension is none of point files (.ply .pcd .obj "
+      ".off .xyz "
+      ".txt .asc .csv .pts .xyzn .xyzrgb) or of splats (.ply .splat .spz .sog .glb .gltf)";
+  for (const char* scan : {".las", ".laz", ".e57"})
+    if (extension == scan)
+      reason = extension + " files are not read; PDAL and CloudCompare save them as .ply";
+  return Error{path, "", reason, ErrorKind::unsupported};
 }
 
 void override_fields(const FieldValues& values, const std::string& path, Scene& scene) {
@@ -158,6 +176,7 @@ Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides&
   return io::guarded(path, [&]() -> Result<SceneFile> {
     const Result<std::string> text = read_text(path);
     if (!text) return text.error();
+    if (Status other = refuse_other_files(path, *text); !other) return other.error();
     return scene_from_text(*text, path, overrides);
   });
 }

@@ -91,6 +91,12 @@ Result<SourceFiles> sequence_files(const SequenceSource& sequence, double first,
   const double period = numbers->period(), begin = numbers->at(0) + sequence.offset;
   const double end = numbers->at(numbers->count() - 1) + sequence.offset;
   if (!sequence.cycle) {
+    if (last < begin || first > end) {
+      if (!found.note.empty()) found.note += ", and ";
+      found.note += last < begin ? "frames before the first file, " + shortest_text(begin)
+                                 : "frames after the last file, " + shortest_text(end);
+      found.note += ", show its points, which stand still or move on along their velocities";
+    }
     first = std::clamp(first, begin, end);
     last = std::clamp(last, begin, end);
   }

@@ -31,6 +31,11 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   // A word of a hostile length is not worth the square of it.
   constexpr std::size_t longest = 64;
   if (word.size() > longest || known.empty()) return {};
+  // What is the beginning of one word alone was cut short.
+  constexpr std::size_t shortest = 4;
+  const auto begins = [&](std::string_view other) { return other.starts_with(word); };
+  if (word.size() >= shortest && std::count_if(known.begin(), known.end(), begins) == 1)
+    return *std::find_if(known.begin(), known.end(), begins);
   const std::string_view nearest =
       *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
         return edit_distance(word, a) < edit_distance(word, b);

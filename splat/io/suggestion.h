@@ -9,7 +9,7 @@
 
 namespace SWEPT_API swept {
 
-/// The one of `known` that `word` is a slip away from; empty: none is near.
+/// The one of `known` that `word` is a slip away from, or that alone begins with it; empty: none is near.
 [[nodiscard]] std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
 /// "; did you mean ...?" where one of `known` is near, else the list of them.

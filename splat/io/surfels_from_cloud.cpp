@@ -51,7 +51,8 @@ Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points) {
         const LocalFit fit = neighbourhood->fit(i);
         if (!(fit.spacing > 0.0)) {
           return Error{"", "radius",
-                       "the file gives none, and all points coincide, so none can be estimated"};
+                       "the file gives none, and all points coincide, so none can be estimated; \"radius\" "
+                       "of an object says it"};
         }
         radii.push_back(kRadiusPerSpacing * fit.spacing);
         if (normals[i].isZero(0.0)) normals[i] = fit.normal;
