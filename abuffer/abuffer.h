@@ -37,12 +37,13 @@ struct AbufferOptions {
 ///
 /// A lens takes a copy of the scene, and a sweep for each of its points.
 ///
-/// A scene of meshes is swept place by place (model section 15), over bins of all triangles in all stretches
-/// of their paths. tile_fragments bounds what a thread holds of intervals; `simd` changes nothing.
+/// Triangles are swept place by place (model section 15), over bins of all of them in all stretches of their
+/// paths, and discs among them by their depth. tile_fragments bounds what a thread holds of intervals, too;
+/// `simd` changes nothing of them.
 ///
-/// Errors: options, control or scene out of range, triangles together with discs or with
-/// Normalisation::pixel, not enough memory, and a render that was stopped.
-/// control.max_bytes is not looked at: tile_fragments is what bounds memory beside the kernels.
+/// Errors: options, control or scene out of range, triangles together with Normalisation::pixel, not enough
+/// memory, and a render that was stopped. control.max_bytes is not looked at: tile_fragments is what bounds
+/// memory beside the kernels.
 [[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},
                                               const RenderControl& control = {});
 
