@@ -190,16 +190,6 @@ Status refuse_triangles(const Scene& scene, std::string_view renderer) {
   return Done{};
 }
 
-Status refuse_looks(const Scene& scene, std::string_view renderer) {
-  for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    if (!scene.objects[i].cloud.looks.empty())
-      return Error{"", "/objects/" + std::to_string(i),
-                   "has colours or opacities that change, which " + std::string(renderer) +
-                       " does not draw; --method sampled does",
-                   ErrorKind::unsupported};
-  return Done{};
-}
-
 Status refuse_textures(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (has_texture(scene.objects[i]))

@@ -176,8 +176,6 @@ struct Scene {
 [[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
 /// The same of triangles.
 [[nodiscard]] Status refuse_triangles(const Scene& scene, std::string_view renderer);
-/// The same of points whose colours or opacities change.
-[[nodiscard]] Status refuse_looks(const Scene& scene, std::string_view renderer);
 /// The same of textures.
 [[nodiscard]] Status refuse_textures(const Scene& scene, std::string_view renderer);
 
