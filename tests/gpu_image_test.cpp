@@ -226,7 +226,7 @@ TEST_F(GpuImage, DepthIsWhereTheWeightIs) {
   object.cloud.keys.push_back({0.0, {{{-0.2, 0, 0}}, {{0.4f, 0, 0}}, {{0, 0.4f, 0}}}});
   object.cloud.velocity = {{0.4f, 0.1f, 2.0f}};
   scene.model.edge_weight = 1.0;  // no more than the disc's own: nothing is clamped
-  scene.model.segments = 1;       // as the passes draw it
+  scene.model.segments = 1;       // as the one sub-frame has, with the pixel filter of its middle
   const Image exact = render_cpu(scene);
   const Image image = render(scene, six(1));
   std::size_t covered = 0;
