@@ -22,6 +22,7 @@
 #include "abuffer/splats/splat_frame.h"
 #include "abuffer/splats/splat_packets.h"
 #include "abuffer/tiles/cells.h"
+#include "abuffer/tiles/point_lists.h"
 #include "splat/stopwatch.h"
 
 namespace swept {
@@ -74,6 +75,8 @@ class Renderer {
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
     bins_ = &bins;
+    // A lens and rows of their own have their own ways to look at a cell.
+    if (!lens_.any() && exposure_.row_delay == 0.0) lists_.emplace(scene_, exposure_, objects, bins);
     if (lens_.any()) blur_.emplace(scene_, exposure_, objects);
     plan();
 
@@ -218,10 +221,20 @@ class Renderer {
     }
   }
 
+  void begin_of(std::size_t i, SampledCell& renderer) const {
+    const Cell cell = bins_->cell(window_cells_[i]);
+    std::optional<CellPackets> own;
+    if (lists_) own = lists_->of(window_cells_[i]);
+    if (own)
+      renderer.begin(cell, *std::move(own));
+    else
+      renderer.begin(cell, bins_->packets(window_cells_[i]));
+  }
+
   /// A cell's first instants.
   void begin_cell(std::size_t i, double error_db, SampledCell& renderer, InstantTable& table) {
     const std::span<const PacketRef> packets = bins_->packets(window_cells_[i]);
-    renderer.begin(bins_->cell(window_cells_[i]), packets);
+    begin_of(i, renderer);
     if (lens_.any()) return begin_behind_lens(i, error_db, renderer, table);
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
     const int row = bins_->cell(window_cells_[i]).y;
@@ -339,7 +352,8 @@ class Renderer {
         const double needs = cell.step_seconds * (cell.instants == cell.count && !lens_.any() ? 1.0 : 2.0);
         if (begun_.so_far() + needs > seconds) return;
         step(i, [&](SampledCell& renderer) {
-          renderer.resume(bins_->cell(window_cells_[i]), bins_->packets(window_cells_[i]), cell.so_far);
+          begin_of(i, renderer);
+          renderer.resume(cell.so_far);
           double_instants(i, renderer, table);
         });
         refined = true;
@@ -445,7 +459,8 @@ class Renderer {
   const PacketBins* bins_ = nullptr;
   Image* image_ = nullptr;
   LensLooks lens_;
-  std::optional<PacketBlur> blur_;  ///< where there is a lens
+  std::optional<PacketBlur> blur_;   ///< where there is a lens
+  std::optional<PointLists> lists_;  ///< where there is none
   std::vector<std::size_t> window_cells_;
   std::vector<double> allowed_squares_;  ///< by cell of the film, Σ over pixels and R, G, B; 0: nothing moves
   std::vector<CellProgress> progress_;

@@ -30,7 +30,6 @@ constexpr std::size_t packets_a_look = 8;
 SampledCell::SampledCell(const Scene& scene, const std::vector<PointPackets>& objects,
                          const SampledMath& math)
     : scene_(scene),
-      objects_(objects),
       math_(math),
       rule_{static_cast<float>(scene.model.delta),
             static_cast<float>(scene.model.edge_weight),
@@ -41,6 +40,7 @@ SampledCell::SampledCell(const Scene& scene, const std::vector<PointPackets>& ob
       background_{scene.background[0], scene.background[1], scene.background[2]},
       buffers_(std::make_unique<CellBuffers>()),
       sums_(std::make_unique<CellSums>()) {
+  for (const PointPackets& object : objects) all_objects_.push_back(&object);
   total_.rgba.resize(4 * cell_px * cell_px);
   total_.depth.resize(cell_px * cell_px);
 }
@@ -48,13 +48,19 @@ SampledCell::SampledCell(const Scene& scene, const std::vector<PointPackets>& ob
 void SampledCell::begin(const Cell& cell, std::span<const PacketRef> packets) {
   cell_ = cell;
   packets_ = packets;
+  objects_ = all_objects_;
   *sums_ = {};
   unflushed_ = 0;
   flushed_ = false;
 }
 
-void SampledCell::resume(const Cell& cell, std::span<const PacketRef> packets, const CellImage& so_far) {
-  begin(cell, packets);
+void SampledCell::begin(const Cell& cell, CellPackets packets) {
+  own_ = std::move(packets);
+  begin(cell, own_.refs);
+  objects_ = own_.objects;
+}
+
+void SampledCell::resume(const CellImage& so_far) {
   total_ = so_far;
   flushed_ = true;
 }
@@ -64,7 +70,7 @@ void SampledCell::select(std::span<const ObjectInstant> instants) {
   general_.clear();
   for (const PacketRef ref : packets_) {
     const ObjectInstant& at = instants[ref.object];
-    const PointPackets& object = objects_[ref.object];
+    const PointPackets& object = *objects_[ref.object];
     Visible v;
     v.ref = ref;
     v.center = at.center(object, ref.packet);
@@ -107,7 +113,7 @@ bool SampledCell::lit(const Visible& v) const {
 void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) {
   Visible& v = visible_[i];
   PlacedPacket& placed = placed_[i];
-  const PointPackets& object = objects_[v.ref.object];
+  const PointPackets& object = *objects_[v.ref.object];
   const ObjectInstant& at = instants[v.ref.object];
   const std::size_t p = v.ref.packet;
   v.placed = true;

@@ -9,6 +9,7 @@
 
 #include "abuffer/sources/object_instant.h"
 #include "abuffer/tiles/cells.h"
+#include "abuffer/tiles/point_lists.h"
 
 namespace swept {
 
@@ -42,8 +43,10 @@ class SampledCell {
 
   /// Begins a cell. `packets` must outlive what is done with it.
   void begin(const Cell& cell, std::span<const PacketRef> packets);
-  /// Goes on with one that was left at `so_far`, which image(1, so_far) had given.
-  void resume(const Cell& cell, std::span<const PacketRef> packets, const CellImage& so_far);
+  /// The same of packets of its own.
+  void begin(const Cell& cell, CellPackets packets);
+  /// Goes on, right after begin(), with one that was left at `so_far`, which image(1, so_far) had given.
+  void resume(const CellImage& so_far);
 
   /// Adds the image at an instant, one ObjectInstant for each object.
   void add(std::span<const ObjectInstant> instants, const InstantWeights& weights);
@@ -113,7 +116,9 @@ class SampledCell {
   void flush();
 
   const Scene& scene_;
-  const std::vector<PointPackets>& objects_;
+  std::vector<const PointPackets*> all_objects_;
+  CellPackets own_;
+  std::span<const PointPackets* const> objects_;  ///< that the packets are of
   const SampledMath& math_;
   SurfaceRule rule_;
   float background_[3];
