@@ -124,14 +124,14 @@ TEST_P(PointListsOf, DrawWhatThePacketsDraw) {
     std::optional<CellPackets> own = of.lists.of(c);
     if (!own) continue;
     CellImage images[2];
-    for (CellImage& image : images) {
-      if (&image == &images[0])
-        renderer.begin(of.bins.cell(c), of.bins.packets(c));
-      else
-        renderer.begin(of.bins.cell(c), *std::move(own));
+    const auto draw = [&](CellImage& image) {
       for (int k = 0; k < 5; ++k) renderer.add(*table.at(2 * k + 1, 10, 0), {});
       renderer.image(5.0, image);
-    }
+    };
+    renderer.begin(of.bins.cell(c), of.bins.packets(c));
+    draw(images[0]);
+    renderer.begin(of.bins.cell(c), *std::move(own));
+    draw(images[1]);
     for (std::size_t i = 0; i < images[0].rgba.size(); ++i) {
       const double off = images[0].rgba[i] - images[1].rgba[i];
       light += images[0].rgba[i];
