@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "abuffer/resolve/ranking.h"
 #include "abuffer/resolve/time_rule.h"
 
 namespace swept {
@@ -75,7 +76,7 @@ Ticks MergedStack::build(const ActiveSet& active, Ticks begin, Ticks end, bool b
     float farthest = -infinity, reach = 0.0f;
     for (last = first; last < ranking_.size(); ++last) {
       const std::uint32_t slot = ranking_[last].slot;
-      if (last > first && ranking_[last].nearest - farthest > reach) break;
+      if (last > first && ranking_[last].z - farthest > reach) break;
       farthest = std::max({farthest, z_from_[slot], z_to_[slot]});
       reach = std::max(reach, active.members.field(member_tolerance)[slot]);
     }
@@ -100,31 +101,16 @@ Ticks MergedStack::build(const ActiveSet& active, Ticks begin, Ticks end, bool b
 
 /// Puts ranking_ into the order of nearest depth, then of place.
 void MergedStack::rank() {
-  const std::vector<std::uint32_t>& slot_of = active_->slot_of_place;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < ranking_.size(); ++i) {
-    const std::uint32_t place = ranking_[i].place, slot = slot_of[place];
-    if (slot == ActiveSet::no_slot) {
-      ranked_[place] = 0;
-      continue;
-    }
-    ranking_[kept++] = {std::min(z_from_[slot], z_to_[slot]), place, slot};
-  }
-  ranking_.resize(kept);
-  const std::vector<std::uint32_t>& places = active_->place_of_slot;
-  for (std::uint32_t slot = 0; slot < places.size(); ++slot) {
-    if (ranked_[places[slot]]) continue;
-    ranked_[places[slot]] = 1;
-    ranking_.push_back({std::min(z_from_[slot], z_to_[slot]), places[slot], slot});
-  }
-  const auto nearer = [](const Ranked& a, const Ranked& b) {
-    return a.nearest != b.nearest ? a.nearest < b.nearest : a.place < b.place;
+  const auto nearest = [&](std::uint32_t slot) { return std::min(z_from_[slot], z_to_[slot]); };
+  (void)renew(*active_, nearest, ranking_, ranked_);
+  const auto nearer = [](const RankedMember& a, const RankedMember& b) {
+    return a.z != b.z ? a.z < b.z : a.place < b.place;
   };
   // What is out of order is moved up one by one, unless it is much.
   std::size_t moves = 8 * ranking_.size();
   for (std::size_t i = 1; i < ranking_.size(); ++i) {
     if (!nearer(ranking_[i], ranking_[i - 1])) continue;
-    const Ranked moved = ranking_[i];
+    const RankedMember moved = ranking_[i];
     std::size_t k = i;
     for (; k > 0 && nearer(moved, ranking_[k - 1]); --k) ranking_[k] = ranking_[k - 1];
     ranking_[k] = moved;
@@ -280,13 +266,9 @@ bool MergedStack::settled(float weight, float variation, float peaks, float jump
     if (from(k) == begin_) at_begin += at_begin_[k];
     if (to(k) == end_) at_end += at_end_[k];
   }
-  const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
-  const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
-  const float vertex = -0.5f * slope / curvature;
-  const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
   // The steps are on top of what a parabola can tell.
-  const float low = std::min({at_begin, extremum, at_end}) - jumps,
-              high = std::max({at_begin, extremum, at_end}) + jumps;
+  const CoverageRange range = range_of_parabola(at_begin, weight, at_end);
+  const float low = range.low - jumps, high = range.high + jumps;
   if (low >= edge && first) one_covers_ = true;
   return low >= edge || high <= edge || double{high - low} * duration <= most;
 }

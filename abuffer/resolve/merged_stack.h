@@ -58,10 +58,6 @@ class MergedStack {
     float limit = 0.0f;  ///< nothing that stays deeper can be a member
     std::size_t samples = 0;
   };
-  struct Ranked {
-    float nearest;  ///< over the piece
-    std::uint32_t place, slot;
-  };
 
   void rank();
   [[nodiscard]] Ticks from(std::uint32_t slot) const;
@@ -86,8 +82,8 @@ class MergedStack {
   std::vector<float> mean_, swing_, variation_, jump_, depth_, depth_swing_, z_from_, z_to_;  ///< by slot
   std::vector<float> at_begin_, at_end_;
   bool instants_known_ = false;
-  std::vector<Ranked> ranking_;                         ///< by nearest depth, as of the piece before
-  std::vector<std::uint8_t> ranked_;                    ///< by place: whether it is in ranking_
+  std::vector<RankedMember> ranking_;  ///< by nearest depth over the piece, as of the piece before
+  std::vector<std::uint8_t> ranked_;   ///< by place: whether it is in ranking_
   std::vector<std::uint32_t> rest_, behind_, surface_;  ///< slots
 
   ActiveSet part_;

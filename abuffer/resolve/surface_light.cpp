@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "abuffer/resolve/ranking.h"
 #include "abuffer/resolve/surfaces.h"
 #include "abuffer/resolve/time_rule.h"
 
@@ -105,12 +106,7 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
     at_begin += at_begin_[order_[i]];
     at_end += at_end_[order_[i]];
   }
-  // The parabola with these ends and this mean has its extremum where Σρ has its own, if it has one within.
-  const float slope = 6.0f * weight - 4.0f * at_begin - 2.0f * at_end;
-  const float curvature = 3.0f * (at_begin + at_end - 2.0f * weight);
-  const float vertex = -0.5f * slope / curvature;
-  const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
-  const float low = std::min({at_begin, extremum, at_end}), high = std::max({at_begin, extremum, at_end});
+  const auto [low, high] = range_of_parabola(at_begin, weight, at_end);
   surface.linear = high <= edge;
   surface.covers = low >= edge;
   if (low >= edge || high <= edge) return end;

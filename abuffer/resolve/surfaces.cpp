@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "abuffer/resolve/ranking.h"
 #include "abuffer/resolve/time_rule.h"
 
 namespace swept {
@@ -153,30 +154,11 @@ void SurfaceStack::take_light() {
 /// Puts order_ into the order of depth as the piece begins; among equals the one that will be nearest, then
 /// by side, then the one that reaches farthest, then by place. From one piece to the next few change places.
 void SurfaceStack::rank() {
-  const std::vector<std::uint32_t>& slot_of = active_->slot_of_place;
   const float* const rates = active_->members.field(member_z_rate);
   const float* const tolerances = active_->members.field(member_tolerance);
-  std::size_t kept = 0;
-  // Field by field: a whole that is read back from parts just written has to wait for them.
-  for (std::size_t i = 0; i < ranking_.size(); ++i) {
-    const std::uint32_t place = ranking_[i].place, slot = slot_of[place];
-    if (slot == ActiveSet::no_slot) {
-      ranked_[place] = 0;
-      continue;
-    }
-    Ranked& ranked = ranking_[kept++];
-    ranked.z = z_begin_[slot];
-    ranked.place = place;
-    ranked.slot = slot;
-  }
-  ranking_.resize(kept);
-  const std::vector<std::uint32_t>& places = active_->place_of_slot;
-  for (std::uint32_t slot = 0; slot < places.size(); ++slot) {
-    if (ranked_[places[slot]]) continue;
-    ranked_[places[slot]] = 1;
-    ranking_.push_back({z_begin_[slot], places[slot], slot});
-  }
-  const auto nearer = [&](const Ranked& a, const Ranked& b) {
+  const std::size_t kept = renew(
+      *active_, [&](std::uint32_t slot) { return z_begin_[slot]; }, ranking_, ranked_);
+  const auto nearer = [&](const RankedMember& a, const RankedMember& b) {
     if (a.z != b.z) return a.z < b.z;
     if (rates[a.slot] != rates[b.slot]) return rates[a.slot] < rates[b.slot];
     if (const int s = rank_of(active_->side(a.slot)), t = rank_of(active_->side(b.slot)); s != t)
@@ -189,7 +171,7 @@ void SurfaceStack::rank() {
   } else {
     for (std::size_t i = 1; i < ranking_.size(); ++i) {
       if (ranking_[i].z > ranking_[i - 1].z) continue;
-      const Ranked moved = ranking_[i];
+      const RankedMember moved = ranking_[i];
       std::size_t k = i;
       for (; k > 0 && nearer(moved, ranking_[k - 1]); --k) ranking_[k] = ranking_[k - 1];
       ranking_[k] = moved;

@@ -105,6 +105,12 @@ struct StackLook {
   double opacity = 0.0;  ///< Normalisation::pixel alone
 };
 
+/// A member in an order by depth (ranking.h).
+struct RankedMember {
+  float z;
+  std::uint32_t place, slot;
+};
+
 /// Takes a set of fragments apart into surfaces, front to back, as deep as light gets (model sections 1.2
 /// to 1.5).
 class SurfaceStack {
@@ -176,15 +182,11 @@ class SurfaceStack {
   IntervalMath math_;
   const ActiveSet* active_ = nullptr;
   SweepCounters* counters_ = nullptr;
-  struct Ranked {
-    float z;  ///< as the piece begins
-    std::uint32_t place, slot;
-  };
-  std::vector<Ranked> ranking_;       ///< by depth, as of the piece before
-  std::vector<std::uint8_t> ranked_;  ///< by place: whether it is in ranking_
-  bool apart_ = false;                ///< surfaces are handed over
-  bool in_order_ = false;             ///< order_ is by depth at this piece's begin
-  std::vector<std::uint32_t> order_;  ///< slots: the members of the first surface, of the second, …
+  std::vector<RankedMember> ranking_;  ///< by depth as a piece begins, that before
+  std::vector<std::uint8_t> ranked_;   ///< by place: whether it is in ranking_
+  bool apart_ = false;                 ///< surfaces are handed over
+  bool in_order_ = false;              ///< order_ is by depth at this piece's begin
+  std::vector<std::uint32_t> order_;   ///< slots: the members of the first surface, of the second, …
   std::vector<Surface> surfaces_;
   AloneStack alone_;  ///< instead of surfaces_ where these are empty
   float limit_ = 0.0f, margin_ = 0.0f, transmittance_ = 1.0f;
