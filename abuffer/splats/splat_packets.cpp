@@ -156,6 +156,12 @@ SplatFields SplatPackets::fields(std::size_t packet) const {
           lanes[packet]};
 }
 
+std::size_t moving_splats(const std::vector<SplatPackets>& sets) {
+  std::size_t splats = 0;
+  for (const SplatPackets& set : sets) splats += set.moves ? set.splats : 0;
+  return splats;
+}
+
 Status check_splats(const Scene& scene) {
   const Object* first = nullptr;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {

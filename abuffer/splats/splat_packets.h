@@ -31,6 +31,9 @@ struct SplatPackets {
   [[nodiscard]] SplatFields fields(std::size_t packet) const;
 };
 
+/// How many of them are placed anew at every instant.
+[[nodiscard]] std::size_t moving_splats(const std::vector<SplatPackets>& sets);
+
 /// Whether the splats of a scene can be blended into one picture.
 [[nodiscard]] Status check_splats(const Scene& scene);
 
