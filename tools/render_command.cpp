@@ -21,6 +21,7 @@
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
 #include "tools/console.h"
+#include "tools/frame_memory.h"
 #include "tools/memory_limit.h"
 #include "tools/outputs.h"
 #include "tools/render_frames.h"
@@ -177,6 +178,10 @@ int render(const RenderArguments& arguments) {
   Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
   if (file && arguments.parts > 0) file = read_part(arguments, file->scene().film);
   if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
+  if (const Status fits =
+          check_frame_memory(file->scene().film, *arguments.layers, memory_left(arguments.max_memory));
+      !fits)
+    return fail({arguments.scene, fits.error().field, fits.error().reason, fits.error().kind});
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs =
       name_outputs(frames, arguments.output, arguments.preview, arguments.deep);
