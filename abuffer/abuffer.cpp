@@ -97,7 +97,8 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   Rendered out;
   Stopwatch watch;
   out.image = blank_image(scene.film);
-  if (deep != nullptr) deep->start(out.image);
+  if (deep != nullptr)
+    if (Status begun = deep->start(out.image); !begun) return begun.error();
   const Window window{out.image.x, out.image.y, out.image.width, out.image.height};
   TileWork work{.model = SurfaceModel(scene.model, options.normalisation),
                 .model_by_interval = SurfaceModel(scene.model),
@@ -118,8 +119,8 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
     // Points that stand still in a cloud that moves are not in it, and then it is of no use.
     const KernelCounts& kernels = discs->counts;
     if (!work.meshes && kernels.standing_kernels > 0 && kernels.standing_kernels == kernels.still_kernels) {
-      Result<Rendered> rendered =
-          render_standing(scene, options, {.threads = control.threads, .stop = control.stop});
+      Result<Rendered> rendered = render_standing(
+          scene, options, {.threads = control.threads, .max_bytes = control.max_bytes, .stop = control.stop});
       if (!rendered) return rendered;
       work.standing = &standing.emplace(std::move(rendered->image));
       out.statistics.time("what stands still", watch.lap());
@@ -133,12 +134,15 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   parallel_for_parts(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), [&](const auto& range) {
     TileRenderer& renderer = renderers.local();
     for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
-      if (control.stop.stop_requested()) return;
+      if (control.stop.stop_requested() || (deep != nullptr && deep->full())) return;
+      const std::size_t before = film.deep_bytes(tiles.window(tile));
       renderer.render(tile, tiles.window(tile));
+      if (deep != nullptr) deep->changed(before, film.deep_bytes(tiles.window(tile)));
       done.one_more();
     }
   });
   if (control.stop.stop_requested()) return stopped_error();
+  if (deep != nullptr && deep->full()) return deep->full_error();
   SweepCounts total;
   for (const TileRenderer& renderer : renderers) total.add(renderer.counts());
   out.statistics.time("tiles", watch.lap());
@@ -167,7 +171,8 @@ Result<Rendered> render_checked(const Scene& scene, const AbufferOptions& option
     picture = *std::move(rendered);
   }
   // A still picture that is asked for by depth is taken apart besides.
-  const RenderControl within{.threads = control.threads, .stop = control.stop};
+  const RenderControl within{
+      .threads = control.threads, .max_bytes = control.max_bytes, .stop = control.stop};
   const RenderControl& rest = still ? within : control;
   Result<Rendered> rendered =
       !lens ? render_swept(scene, options, rest, deep)
@@ -198,7 +203,7 @@ Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& option
   if (options.deep && scene.shutter.row_delay != 0.0 && scene.exposure().instant())
     return Error{"", "deep", "goes with a row delay only where the shutter is open for some time",
                  ErrorKind::unsupported};
-  DeepStore store;
+  DeepStore store(control.max_bytes);
   DeepStore* const deep = options.deep ? &store : nullptr;
   Result<Rendered> rendered =
       render_valid(scene, options, control,

@@ -42,8 +42,8 @@ struct AbufferOptions {
 /// `simd` changes nothing of them.
 ///
 /// Errors: options, control or scene out of range, triangles together with Normalisation::pixel, not enough
-/// memory, and a render that was stopped. control.max_bytes is not looked at: tile_fragments is what bounds
-/// memory beside the kernels.
+/// memory, and a render that was stopped. control.max_bytes bounds samples by depth, and what stands still;
+/// tile_fragments bounds the rest, beside the kernels.
 [[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},
                                               const RenderControl& control = {});
 

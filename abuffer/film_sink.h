@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "abuffer/deep_store.h"
+#include "abuffer/sources/rasterize.h"
 #include "splat/image.h"
 #include "splat/interval/composite.h"
 
@@ -23,6 +24,14 @@ class FilmSink {
            static_cast<std::size_t>(x - image_.x);
   }
   [[nodiscard]] bool wants_depths() const { return deep_ != nullptr; }
+  /// Bytes of what is gathered by depth in a window.
+  [[nodiscard]] std::size_t deep_bytes(const Window& window) const {
+    std::size_t bytes = 0;
+    if (deep_ == nullptr || !deep_->bounded()) return bytes;
+    for (int y = window.y; y < window.y + window.height; ++y)
+      for (int x = window.x; x < window.x + window.width; ++x) bytes += deep_->bytes_of(index_of(x, y));
+    return bytes;
+  }
   /// What pixel (x, y) adds up in.
   [[nodiscard]] PixelSum begin(int x, int y) {
     PixelSum pixel;

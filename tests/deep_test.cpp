@@ -61,6 +61,27 @@ double flattened_error(const DeepImage& deep, const Image& image) {
 /// Floats, of sums in another order.
 constexpr double rounding = 1e-5;
 
+TEST(Deep, ObeysMaxBytes) {
+  const Scene scene = test::busy_scene();
+  const Rendered deep = render_deep(scene);
+  // Parts and pixels while they are gathered take more than what is made of them in the end.
+  const std::size_t pixels = deep.image.pixel_count(), samples = deep.deep->sample_count();
+  AbufferOptions options;
+  options.deep = true;
+  RenderControl control;
+  for (const std::size_t little : {std::size_t{1}, 8 * pixels, 24 * pixels + 16 * samples}) {
+    control.max_bytes = little;
+    const Result<Rendered> refused = render_abuffer(scene, options, control);
+    ASSERT_FALSE(refused.ok()) << little;
+    EXPECT_EQ(refused.error().field, "max_bytes");
+    EXPECT_EQ(refused.error().kind, ErrorKind::out_of_memory);
+  }
+  control.max_bytes = 1 << 28;
+  const Result<Rendered> enough = render_abuffer(scene, options, control);
+  ASSERT_TRUE(enough.ok()) << enough.error().message();
+  EXPECT_EQ(enough->deep->rgba, deep.deep->rgba);
+}
+
 TEST(Deep, FlattensToThePicture) {
   Scene busy = test::busy_scene();
   EXPECT_LT(flattened_error(*render_deep(busy).deep, render_deep(busy).image), rounding);

@@ -2,6 +2,7 @@
 // apart, frames that are not there, pictures of nothing.
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,21 @@ TEST_F(Newcomer, FilesThatAreNotReadAreNamedForWhatTheyAre) {
     const Outcome outcome = render("scan" + std::string(extension));
     EXPECT_EQ(outcome.exit_code, 1);
     expect_said(outcome.err, {" files are not read; PDAL and CloudCompare save them as .ply"});
+    for (const auto& [name, advice] :
+         {std::pair{"a.usd", ".usd files are not read; Houdini and Blender save their"},
+          {"a.fbx", ".fbx files are not read; Blender saves them as .ply or .obj"},
+          {"a.ksplat", ".ksplat files are not read; SuperSplat"},
+          {"a.png", ".png files are not read; points, meshes and splats are"}}) {
+      put(folder_ / name, "x");
+      expect_said(render(name).err, {advice});
+    }
+    put(folder_ / "transforms.json", R"({"camera_angle_x": 1, "frames": []})");
+    expect_said(render("transforms.json").err, {"one of cameras: swept render POINTS --camera FILE"});
+    put(folder_ / "mesh.gltf",
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]})");
+    expect_said(render("mesh.gltf").err,
+                {"has no splats of KHR_gaussian_splatting, and its meshes are not read"});
   }
   put(folder_ / "points", "1 2 3\n4 5 6\n");
   expect_said(render("points").err,

@@ -62,6 +62,28 @@ TEST_F(RobustCommand, AnErrorStreamThatCannotBeWrittenLosesNoFrame) {
   EXPECT_EQ(swept("render none.json -o a.exr", "2>/dev/full").exit_code, 1);
 }
 
+TEST_F(RobustCommand, AFrameThatDoesNotFitIsToldBeforeAnythingIsTaken) {
+  // Either the machine has less, or the bound is less.
+  const std::string huge = "--size 65536x65536 --layers normal,motion,coverage,samples,error";
+  const Outcome machine = swept("render scene.json -o a.exr --max-memory 200G " + huge);
+  EXPECT_EQ(machine.exit_code, 1);
+  EXPECT_NE(machine.err.find("scene.json: /film: a frame of 65536 x 65536 px takes 240.0 GiB at least, and "),
+            std::string::npos)
+      << machine.err;
+  EXPECT_NE(machine.err.find("--part I/N"), std::string::npos) << machine.err;
+  // 4096 x 4096 px of 20 bytes are 320 MiB.
+  const Outcome bound = swept("render scene.json -o a.exr --size 4096x4096 --max-memory 319M");
+  EXPECT_EQ(bound.exit_code, 1);
+  EXPECT_NE(bound.err.find("takes 320 MiB at least, and --max-memory allows 319 MiB"), std::string::npos)
+      << bound.err;
+  // So do layers; and a strip is small enough.
+  EXPECT_NE(swept("render scene.json -o a.exr --size 2048x2048 --layers normal,motion --max-memory 90M")
+                .err.find("takes 192 MiB at least"),
+            std::string::npos);
+  EXPECT_EQ(swept("render scene.json --size 65536x65536 --part 9/65536 --dry-run").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a.exr"));
+}
+
 TEST_F(RobustCommand, DataThatCannotBeWrittenIsAFailure) {
   ASSERT_EQ(swept("render scene.json -o a.exr").exit_code, 0);
   for (const char* line : {"info scene.json", "info scene.json --json", "render scene.json --dry-run",

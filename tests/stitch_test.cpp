@@ -53,6 +53,22 @@ class Crops {
   const TemporaryFolder folder;
 };
 
+TEST(Stitch, RefusesDeepImagesByName) {
+  const Crops crops;
+  for (const char* part : {"1", "2"}) {
+    const std::string name = part;
+    const test::Outcome outcome =
+        crops.render("p" + name + ".exr", "--size 40x20 --exact --part " + name + "/2 --deep '" +
+                                              crops.file("d" + name + ".exr") + "'");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  const test::Outcome outcome = run_command(SWEPT_COMMAND " stitch '" + crops.file("d1.exr") + "' '" +
+                                            crops.file("d2.exr") + "' -o '" + crops.file("d.exr") + "'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("d1.exr: type: is a deep image"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(crops.file("d.exr")));
+}
+
 TEST(Stitch, PartsAreTheFrameByteForByte) {
   const Crops crops;
   for (const std::string& options :

@@ -113,6 +113,28 @@ void expect_same_images(const Scene& scene, int samples, int times, const char* 
   }
 }
 
+TEST(Stochastic, ObeysMaxBytes) {
+  Scene scene = test::busy_scene();
+  for (const bool triangles : {false, true}) {
+    if (triangles) scene.objects.push_back(soup(20, 3, false));
+    StochasticOptions options;
+    options.samples = 1;
+    const Rendered all = rendered(scene, options);
+    const auto bytes = static_cast<std::size_t>(all.statistics.counter("primitive_bytes").value_or(0.0));
+    ASSERT_GT(bytes, 100u);
+    RenderControl control;
+    control.max_bytes = bytes;
+    EXPECT_TRUE(render_stochastic(scene, options, control).ok());
+    for (const std::size_t little : {bytes - 1, std::size_t{1}}) {
+      control.max_bytes = little;
+      const Result<Rendered> refused = render_stochastic(scene, options, control);
+      ASSERT_FALSE(refused.ok()) << little;
+      EXPECT_EQ(refused.error().field, "max_bytes");
+      EXPECT_EQ(refused.error().kind, ErrorKind::out_of_memory);
+    }
+  }
+}
+
 TEST(Stochastic, AllTraversalsAreOneImage) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Scene scene = soup_scene(seed, seed % 2 == 0);

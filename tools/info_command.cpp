@@ -19,6 +19,7 @@
 #include "tools/gpu_method.h"
 #include "tools/scene_options.h"
 #include "tools/scene_report.h"
+#include "tools/unused_options.h"
 
 namespace swept {
 namespace {
@@ -85,8 +86,8 @@ void print_text(const SceneFile& file, const Scene& scene, const SceneReport& re
   }
   fmt::print("effects\n");
   for (const std::string& effect : report.effects) fmt::print("  {}\n", effect);
-  if (!file.notes().empty()) fmt::print("notes\n");
-  for (const std::string& note : file.notes()) fmt::print("  {}\n", printable(note));
+  if (!report.notes.empty()) fmt::print("notes\n");
+  for (const std::string& note : report.notes) fmt::print("  {}\n", printable(note));
 }
 
 Json json_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -136,7 +137,7 @@ void print_json(const SceneFile& file, const Scene& scene, const SceneReport& re
                  {"near", camera.near},
                  {"moves", camera.moves}}},
                {"effects", report.effects},
-               {"notes", file.notes()}};
+               {"notes", report.notes}};
   json["objects"] = Json::array();
   for (const ObjectReport& object : report.objects) json["objects"].push_back(json_of(object));
   // A path need not be UTF-8.
@@ -170,6 +171,8 @@ int info(const InfoArguments& arguments) {
   if (!hash) return report_scene_error("info", hash.error(), *arguments.overrides);
   SceneReport report = report_scene(*file, **scene);
   report.hash = *hash;
+  for (const UnusedOption& unused : unused_options(*arguments.overrides, nullptr, *file, **scene))
+    report.notes.push_back(unused.text());
   if (arguments.json)
     print_json(*file, **scene, report);
   else

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,14 @@
 #include "splat/io/scene_file.h"
 #include "splat/io/sequence.h"
 #include "tools/console.h"
+#include "tools/frame_memory.h"
 #include "tools/memory_limit.h"
 #include "tools/outputs.h"
 #include "tools/render_frames.h"
 #include "tools/render_methods.h"
 #include "tools/scene_options.h"
 #include "tools/stats_json.h"
+#include "tools/unused_options.h"
 
 namespace swept {
 namespace {
@@ -47,8 +50,18 @@ int fail(const Error& error, int exit_code = 1) {
   return exit_code;
 }
 
+/// Of options that change nothing of a frame.
+std::vector<std::string> remarks_on(const RenderArguments& arguments, const SceneFile& file,
+                                    const Scene& scene) {
+  std::vector<std::string> remarks;
+  for (const UnusedOption& unused : unused_options(*arguments.overrides, arguments.method.get(), file, scene))
+    remarks.push_back(unused.text());
+  return remarks;
+}
+
 /// Loads what the frames need and prints what would be done with them.
-int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
+int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs, const RenderArguments& arguments) {
+  std::set<std::string> told;
   for (const FrameOutput& output : outputs) {
     const std::string name = output.image.empty() ? "" : " " + printable(output.image);
     if (output.skip) {
@@ -57,6 +70,8 @@ int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs) {
     }
     const Result<const Scene*> scene = file.scene_at(output.frame, generate);
     if (!scene) return fail(scene.error());
+    for (const std::string& remark : remarks_on(arguments, file, **scene))
+      if (told.insert(remark).second) log("note: {}\n", remark);
     std::size_t points = 0;
     for (const Object& object : (*scene)->objects) points += object.cloud.size() + object.splats.size();
     fmt::print("frame {}: render{} {} points\n", output.frame, name, points);
@@ -108,7 +123,9 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
-  if (const Status status = render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead);
+  if (const Status status =
+          render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead,
+                        [&](const Scene& scene) { return remarks_on(arguments, file, scene); });
       !status)
     return fail(status.error());
   if (arguments.stats.empty()) return 0;
@@ -161,6 +178,10 @@ int render(const RenderArguments& arguments) {
   Result<SceneFile> file = read_scene_or_points(arguments.scene, *arguments.overrides);
   if (file && arguments.parts > 0) file = read_part(arguments, file->scene().film);
   if (!file) return report_scene_error("render", file.error(), *arguments.overrides);
+  if (const Status fits =
+          check_frame_memory(file->scene().film, *arguments.layers, memory_left(arguments.max_memory));
+      !fits)
+    return fail({arguments.scene, fits.error().field, fits.error().reason, fits.error().kind});
   if (frames.empty()) frames.push_back(file->scene().frame);
   Result<std::vector<FrameOutput>> outputs =
       name_outputs(frames, arguments.output, arguments.preview, arguments.deep);
@@ -177,7 +198,8 @@ int render(const RenderArguments& arguments) {
     return fail(status.error());
   if (!arguments.stats.empty())
     if (const Status status = check_stats_path(arguments, existing); !status) return fail(status.error());
-  return arguments.dry_run ? dry_run(*file, *outputs) : render_all(*file, *outputs, *method, arguments);
+  return arguments.dry_run ? dry_run(*file, *outputs, arguments)
+                           : render_all(*file, *outputs, *method, arguments);
 }
 
 }  // namespace

@@ -65,8 +65,9 @@ bool shows_nothing(const Image& image) {
 
 class FrameLoop {
  public:
-  FrameLoop(SceneFile& file, FrameRenderer& renderer, RunStatistics& run, Progress& progress)
-      : file_(file), renderer_(renderer), run_(run), progress_(progress) {}
+  FrameLoop(SceneFile& file, FrameRenderer& renderer, RunStatistics& run, Progress& progress,
+            const FrameRemarks& remarks)
+      : file_(file), renderer_(renderer), run_(run), progress_(progress), remarks_(remarks) {}
 
   /// `next` is the frame to be submitted after this one, to be loaded meanwhile; null: none.
   Status submit(const FrameOutput& output, const FrameOutput* next, FrameStatistics& statistics) {
@@ -86,6 +87,7 @@ class FrameLoop {
     }
     statistics.load_seconds = watch.lap();
     statistics.notes = file_.notes();
+    if (remarks_) tell(remarks_(**scene), statistics.notes);
     statistics.plan = effect_plan(**scene);
     if (next != nullptr) load_ahead(next->frame);
     if (Status status = renderer_.submit(**scene); !status) return of_frame(output, status.error());
@@ -108,6 +110,14 @@ class FrameLoop {
   }
 
  private:
+  /// Now, and not when the frame is done: whoever waits for it may want to give other options.
+  void tell(std::vector<std::string> remarks, std::vector<std::string>& notes) {
+    for (std::string& remark : remarks) {
+      if (told_.insert(remark).second) progress_.note("note: " + remark);
+      notes.push_back(std::move(remark));
+    }
+  }
+
   /// What the hash reads, too: all of the files.
   void load_ahead(double frame) {
     try {
@@ -168,6 +178,7 @@ class FrameLoop {
   FrameRenderer& renderer_;
   RunStatistics& run_;
   Progress& progress_;
+  const FrameRemarks& remarks_;
   std::deque<PendingFrame> pending_;
   std::set<std::string> told_;
   bool told_of_nothing_ = false;
@@ -186,10 +197,10 @@ std::string expectation(const std::vector<FrameStatistics>& frames) {
 }  // namespace
 
 Status render_frames(SceneFile& file, const std::vector<FrameOutput>& outputs, FrameRenderer& renderer,
-                     RunStatistics& run, bool ahead) {
+                     RunStatistics& run, bool ahead, const FrameRemarks& remarks) {
   Progress progress(outputs.size());
   renderer.on_progress([&progress](double share) { progress.within_frame(share); });
-  FrameLoop loop(file, renderer, run, progress);
+  FrameLoop loop(file, renderer, run, progress, remarks);
   std::vector<FrameStatistics> frames(outputs.size());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const FrameOutput& output = outputs[i];

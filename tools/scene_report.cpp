@@ -175,6 +175,7 @@ SceneReport report_scene(const SceneFile& file, const Scene& scene) {
   SceneReport report;
   const double length = scene.shutter.close - scene.shutter.open;
   report.frame = scene.frame;
+  report.notes = file.notes();
   report.exposure_seconds = length * scene.fps.denominator / scene.fps.numerator;
   report.shutter_angle_degrees = 360.0 * length;
   report.camera = report_camera(scene);

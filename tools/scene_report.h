@@ -44,6 +44,7 @@ struct SceneReport {
   CameraReport camera;
   std::vector<ObjectReport> objects;
   std::vector<std::string> effects;  ///< what rendering this frame calls for, one sentence each
+  std::vector<std::string> notes;    ///< of the readers
 };
 
 /// `scene` is what `file` loaded last.

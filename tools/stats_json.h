@@ -19,8 +19,8 @@ struct FrameStatistics {
   bool skipped = false;
   double load_seconds = 0.0, render_seconds = 0.0, write_seconds = 0.0;  ///< wall time
   Statistics statistics;                                                 ///< the renderer's own
-  std::vector<std::string> notes;                                        ///< of the readers
-  std::vector<ObjectPlan> plan;                                          ///< as effect_plan()
+  std::vector<std::string> notes;  ///< of the readers, and on options that change nothing
+  std::vector<ObjectPlan> plan;    ///< as effect_plan()
 };
 
 struct RunStatistics {

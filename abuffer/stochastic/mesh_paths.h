@@ -32,6 +32,7 @@ class MeshPaths {
   /// 1 where every corner moves evenly along a line in every piece, else 2.
   [[nodiscard]] int degree() const { return degree_; }
   [[nodiscard]] int pieces() const { return static_cast<int>(cuts_.size()) - 1; }
+  [[nodiscard]] std::size_t bytes() const { return controls_.size() * sizeof(Eigen::Vector3d); }
   /// Times, from 0 where the shutter opens to 1: piece p lies between cuts p and p + 1.
   [[nodiscard]] double cut(int i) const { return cuts_[static_cast<std::size_t>(i)]; }
   /// The piece that a time in [0, 1] belongs to.

@@ -32,6 +32,12 @@ class Primitives {
   }
 
   [[nodiscard]] std::size_t size() const { return begins_.back(); }
+  /// What all of them take.
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t bytes = kernels_.kernels.size() * sizeof(MovingKernel);
+    for (const auto& mesh : meshes_) bytes += mesh->bytes();
+    return bytes;
+  }
   [[nodiscard]] const KernelSet& kernels() const { return kernels_; }
   [[nodiscard]] const FilmView& view() const { return view_; }
   [[nodiscard]] std::size_t meshes() const { return meshes_.size(); }

@@ -110,6 +110,13 @@ void develop(const Scene& scene, Block& block, Image& image) {
     }
 }
 
+/// Whether kernels and paths take no more than they may.
+Status check_bytes(std::size_t bytes, const RenderControl& control) {
+  if (control.max_bytes == 0 || bytes <= control.max_bytes) return Done{};
+  return Error{"", "max_bytes", "kernels and paths alone take " + std::to_string(bytes) + " bytes",
+               ErrorKind::out_of_memory};
+}
+
 Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& given,
                                 const RenderControl& control) {
   Stopwatch watch;
@@ -124,7 +131,12 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   const SampleSource source(scene, exposure, options.samples, options.times);
   const FilmView view{projection_of(scene.film, scene.camera.at(exposure.middle())), scene.camera.near,
                       source.reach()};
+  // A disc has a kernel at least.
+  std::size_t discs = 0;
+  for (const Object& object : scene.objects) discs += object.discs();
+  if (Status fits = check_bytes(discs * sizeof(MovingKernel), control); !fits) return fits.error();
   const Primitives primitives(scene, exposure, view);
+  if (Status fits = check_bytes(primitives.bytes(), control); !fits) return fits.error();
   Rendered out;
   Statistics& statistics = out.statistics;
   statistics.time("paths", watch.lap());
@@ -159,6 +171,7 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
     counts.bounds += block.counts.bounds;
   }
   statistics.count("samples", options.samples);
+  statistics.count("primitive_bytes", static_cast<double>(primitives.bytes()));
   statistics.count("primitives", static_cast<double>(by_hierarchy ? primitives.size() : bins.seen()));
   statistics.count("samples_tested", static_cast<double>(counts.tested));
   statistics.count("samples_inside", static_cast<double>(counts.inside));

@@ -54,13 +54,14 @@ struct StochasticOptions {
 /// - A pixel is looked at everywhere; the model has 16 places in it.
 ///
 /// Statistics: "samples" per pixel, "samples_tested", "samples_inside", their ratio
-/// "sample_test_efficiency", "bounds_tested" (tiles or boxes), "primitives" that may be seen.
+/// "sample_test_efficiency", "bounds_tested" (tiles or boxes), "primitives" that may be seen,
+/// "primitive_bytes".
 ///
 /// Textures and looks that change are those of the place and the instant at which a sample meets a triangle,
 /// and looks of discs those of the instant.
 ///
 /// Errors: options, control or scene out of range, splats and row delays, which are refused by name, not
-/// enough memory, and a render that was stopped. control.max_bytes is not looked at.
+/// enough memory, and a render that was stopped. control.max_bytes bounds kernels and paths.
 [[nodiscard]] Result<Rendered> render_stochastic(const Scene& scene, const StochasticOptions& options = {},
                                                  const RenderControl& control = {});
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "splat/io/camera_file.h"
+#include "splat/io/empty_files.h"
 #include "splat/io/frame_points.h"
 #include "splat/io/guarded.h"
 #include "splat/io/obj_materials.h"
@@ -136,14 +137,25 @@ Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
   const Result<std::vector<NumberedFile>> files = list_sequence(path);
   if (!files) return files.error();
   const bool splats = draw == DrawAs::splats || (!draw && holds_splats(files->front().path));
+  const auto look = [&](const NumberedFile& file) {
+    return splats ? look_at_splats(file.path, false, sample) : look_at(file.path, false, sample);
+  };
   const std::size_t looks = std::min(files->size(), most_files);
   for (std::size_t i = 0; i < looks; ++i) {
     const NumberedFile& file = (*files)[looks == 1 ? 0 : i * (files->size() - 1) / (looks - 1)];
-    const Status status =
-        splats ? look_at_splats(file.path, false, sample) : look_at(file.path, false, sample);
+    const Status status = look(file);
+    if (!status && io::says_empty(status.error())) continue;
     if (!status) return status.error();
     sample.numbers.push_back(file.number);
   }
+  // Those that are spread evenly may have missed the few that have points.
+  for (const NumberedFile& file : *files) {
+    if (!sample.numbers.empty()) break;
+    const Status status = look(file);
+    if (status) sample.numbers.push_back(file.number);
+    if (!status && !io::says_empty(status.error())) return status.error();
+  }
+  if (sample.numbers.empty()) return Error{path, "", "none of its files has points"};
   sample.first = files->front().number;
   return sample;
 }

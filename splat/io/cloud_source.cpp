@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/io/cloud_keys.h"
+#include "splat/io/empty_files.h"
 #include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
 #include "splat/io/mesh_normals.h"
@@ -378,6 +379,46 @@ Result<LoadedCloud> read_by_id(const CloudSource& source, const KeySpan& span, d
   return loaded;
 }
 
+Result<LoadedCloud> read_files(const CloudSource& source, double first, double last) {
+  const std::vector<KeyFile>& files = source.files;
+  const KeySpan span = span_of(files, first, last, source.path);
+  Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
+  if (!set) return set.error();
+  const bool several = span.end > span.begin + 1;
+  std::size_t from = span.begin;
+  Result<LoadedCloud> loaded = LoadedCloud{};
+  if (several && !set->id.empty()) {
+    loaded = read_by_id(source, span, first, last);
+    from = span.nearest;
+  } else {
+    loaded = read_in_order(source, span, *std::move(set));
+  }
+  if (!loaded && several && loaded.error().field == "points") {
+    // Particles come and go. One file says how its own move on, if it has velocities.
+    Result<PointSet> alone = io::read_with_rates(source, files[span.nearest]);
+    if (!alone || (alone->velocity.empty() && alone->acceleration.empty())) return loaded.error();
+    from = span.nearest;
+    loaded = first_key(*std::move(alone), files[from].frame, source);
+    if (loaded)
+      loaded->report.assumed.push_back(
+          "the numbers of points differ between the files and there are no ids, so those of " +
+          files[from].path + " move along their velocities");
+  }
+  if (!loaded) return in_file(loaded.error(), files[from].path);
+  if (!loaded->materials.names.empty()) loaded->materials_of = files[from].path;
+  if (source.color_by_normals && !source.color)
+    io::turn_colors(from < span.end && loaded->cloud.keys.size() > 1 ? from - span.begin : 0, first, last,
+                    loaded->cloud);
+  if (several)
+    if (Status ends = io::add_ends(source, span, first, last, *loaded); !ends) return ends.error();
+  if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
+  if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
+    loaded->report.assumed.push_back(std::move(changes));
+  for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
+  if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
+  return loaded;
+}
+
 }  // namespace
 
 Status color_by_normals(SurfelCloud& cloud) {
@@ -414,43 +455,8 @@ Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double l
     if (Status s = check_files(source); !s) return s.error();
     if (!(first <= last)) return option_error("frames", "the interval to cover runs backwards");
 
-    const std::vector<KeyFile>& files = source.files;
-    const KeySpan span = span_of(files, first, last, source.path);
-    Result<PointSet> set = read_points(files[span.begin].path, key_options(source));
-    if (!set) return set.error();
-    const bool several = span.end > span.begin + 1;
-    std::size_t from = span.begin;
-    Result<LoadedCloud> loaded = LoadedCloud{};
-    if (several && !set->id.empty()) {
-      loaded = read_by_id(source, span, first, last);
-      from = span.nearest;
-    } else {
-      loaded = read_in_order(source, span, *std::move(set));
-    }
-    if (!loaded && several && loaded.error().field == "points") {
-      // Particles come and go. One file says how its own move on, if it has velocities.
-      Result<PointSet> alone = io::read_with_rates(source, files[span.nearest]);
-      if (!alone || (alone->velocity.empty() && alone->acceleration.empty())) return loaded.error();
-      from = span.nearest;
-      loaded = first_key(*std::move(alone), files[from].frame, source);
-      if (loaded)
-        loaded->report.assumed.push_back(
-            "the numbers of points differ between the files and there are no ids, so those of " +
-            files[from].path + " move along their velocities");
-    }
-    if (!loaded) return in_file(loaded.error(), files[from].path);
-    if (!loaded->materials.names.empty()) loaded->materials_of = files[from].path;
-    if (source.color_by_normals && !source.color)
-      io::turn_colors(from < span.end && loaded->cloud.keys.size() > 1 ? from - span.begin : 0, first, last,
-                      loaded->cloud);
-    if (several)
-      if (Status ends = io::add_ends(source, span, first, last, *loaded); !ends) return ends.error();
-    if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
-    if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
-      loaded->report.assumed.push_back(std::move(changes));
-    for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
-    if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
-    return loaded;
+    return source.may_be_empty ? io::read_beside_empty(source, first, last, read_files)
+                               : read_files(source, first, last);
   });
 }
 

@@ -63,6 +63,9 @@ struct CloudSource {
   /// and else along mesh_normals() of each key.
   bool triangles = false;
   bool materials = false;  ///< as ReadOptions::materials
+  /// A PLY or PCD file without points is a time at which there are none, as in a simulation before its first
+  /// particles: those of the files beside it exist until, and from, halfway to it. Else it is an error.
+  bool may_be_empty = false;
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.

@@ -117,7 +117,10 @@ class Reader {
   Result<LoadedSplats> read() {
     refuse_unknown(file_);
     find_splats();
-    if (splats_.empty()) return Error{path_, "", "has no splats of " + extension};
+    if (splats_.empty())
+      return Error{path_, "",
+                   "has no splats of " + std::string(extension) +
+                       ", and its meshes are not read; Blender saves them as .ply or .obj"};
     const std::vector<Eigen::Matrix4d> transforms = scene_from_nodes(file_.nodes());
     std::vector<std::pair<const Splats*, const Eigen::Matrix4d*>> shown;
     std::size_t count = 0, coefficients = 1;

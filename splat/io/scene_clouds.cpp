@@ -113,6 +113,7 @@ Result<LoadedCloud> SceneFile::load(const ObjectSource& source, const Scene& set
   } else {
     const auto& sequence = std::get<SequenceSource>(source.points);
     cloud.attributes = sequence.attributes;
+    cloud.may_be_empty = true;
     cloud.color_range = sequence.stored.range;
     cloud.color_space = sequence.stored.space;
   }
@@ -178,7 +179,7 @@ Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scen
         !taken)
       return taken.error();
   object.cloud = std::move(loaded->cloud);
-  if (source.draw == DrawAs::triangles) {
+  if (source.draw == DrawAs::triangles && object.cloud.size() > 0) {
     if (loaded->triangles.empty())
       return Error{path_, source.pointer + "/draw", "the source holds no triangles to draw"};
     object.triangles = std::move(loaded->triangles);

@@ -48,9 +48,18 @@ Status refuse_other_files(const std::string& path, const std::string& text) {
       "is no scene file, which is a JSON object, and its extension is none of point files (.ply .pcd .obj "
       ".off .xyz "
       ".txt .asc .csv .pts .xyzn .xyzrgb) or of splats (.ply .splat .spz .sog .glb .gltf)";
-  for (const char* scan : {".las", ".laz", ".e57"})
-    if (extension == scan)
-      reason = extension + " files are not read; PDAL and CloudCompare save them as .ply";
+  struct Others {
+    std::string_view extensions, advice;
+  };
+  constexpr Others others[] = {
+      {" .las .laz .e57 ", "PDAL and CloudCompare save them as .ply"},
+      {" .bgeo .geo .abc .usd .usda .usdc .usdz .vdb ", "Houdini and Blender save their points as .ply"},
+      {" .blend .fbx .stl .dae .3mf .3ds ", "Blender saves them as .ply or .obj"},
+      {" .ksplat .splatv .rad .lcc ", "SuperSplat and splat-transform save them as .ply or .spz"},
+      {" .mp4 .mov .gif .png .jpg .jpeg .exr ", "points, meshes and splats are"}};
+  for (const Others& other : others)
+    if (!extension.empty() && other.extensions.find(" " + extension + " ") != std::string_view::npos)
+      reason = extension + " files are not read; " + std::string(other.advice);
   return Error{path, "", reason, ErrorKind::unsupported};
 }
 
@@ -83,6 +92,9 @@ std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
 void parse_version(const JsonNode& root) {
   if (!root.is_object()) root.fail("a scene file is one JSON object");
   const auto version = root.find("swept");
+  // What nerfstudio and instant-ngp call them.
+  if (!version && (root.find("frames") || root.find("camera_path")))
+    root.fail("no scene file, but one of cameras: swept render POINTS --camera FILE looks through them");
   if (!version) root.fail("no scene file: the key \"swept\", the format's version, is missing");
   const double number = version->number();
   if (number > static_cast<double>(format_version))

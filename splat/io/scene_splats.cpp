@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "splat/fields.h"
+#include "splat/io/empty_files.h"
 #include "splat/io/sequence.h"
 #include "splat/io/source_files.h"
 
@@ -72,6 +73,11 @@ Result<LoadedSplats> load_splats(const ObjectSource& source, const Object& objec
     key = std::move(*shown);
   }
   Result<LoadedSplats> loaded = read_splats(key.path, options);
+  if (!loaded && std::holds_alternative<SequenceSource>(source.points) && says_empty(loaded.error())) {
+    LoadedSplats none;
+    none.notes.push_back(empty_note(key.path) + ": there is nothing to draw of it");
+    return none;
+  }
   if (!loaded) return loaded;
   SplatCloud& splats = loaded->splats;
   splats.frame = key.frame;

@@ -55,6 +55,11 @@ Result<Part> look_at(const std::string& path) {
   part.window = *std::move(window);
   const Imf::InputFile file(path.c_str(), 0);
   const Imf::Header& header = file.header();
+  if (header.hasType() && Imf::isDeepData(header.type()))
+    return Error{path, "type",
+                 "is a deep image, and those are not put together: render the whole frame by --deep, or "
+                 "merge the parts where they are composited, for no two of them share a pixel",
+                 ErrorKind::unsupported};
   if (header.hasType() && header.type() != Imf::SCANLINEIMAGE)
     return Error{path, "type", "is no image of plain scan lines, which are all that is put together",
                  ErrorKind::unsupported};
