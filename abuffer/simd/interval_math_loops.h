@@ -7,6 +7,7 @@
 #include <bit>
 #include <limits>
 
+#include "abuffer/simd/front_bounds.h"
 #include "abuffer/simd/interval_math.h"
 #include "abuffer/simd/lanes.h"
 #include "splat/interval/side.h"
@@ -302,6 +303,8 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
         blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, low_slope = weight,
         fastest = weight, reaches = weight;
   LaneBits behind = lanes_below(0), unsettled = behind, sides = behind;
+  FrontPresence presence;
+  const bool noted = members.padded <= FrontPresence::most * member_lanes;
   const float per_duration = 1.0f / static_cast<float>(end - begin);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
@@ -325,6 +328,10 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
       from = choose(in_front, sooner(from, begins), from);
       to = choose(in_front, later(to, ends), to);
       in_all = in_all + choose(in_front, ends - begins, all_ticks(0));
+    }
+    if (noted) {
+      presence.from[i / member_lanes] = from;
+      presence.to[i / member_lanes] = to;
     }
     const LaneBits in_front = below(from, to);
     sides = sides | (in_front & load_bits(side + i));
@@ -395,6 +402,9 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
   if (!(largest(reaches) <= 1.0f)) sum.settled_until = begin;
   // Where, is not known; until the front's nearest changes first, nothing comes back.
   if (any(unsettled)) sum.settled_until = times.count > 1 ? times.span[1].begin : begin;
+  if (!noted || sum.settled_until < end) return sum;
+  if (sum.low < members.enough) sum.low = std::max(sum.low, least_weight(members, begin, end, presence));
+  if (!(sum.jumps <= few_jumps * sum.mean.weight)) sum.colors = color_range(members, presence);
   return sum;
 }
 
