@@ -22,7 +22,7 @@ bool few_enough(const FrontSum& front) {
   const float jumps = front.jumps, weight = front.mean.weight;
   if (jumps <= few_jumps * weight) return true;
   constexpr float half_of_square = 0.5f * few_jumps * few_jumps;
-  return jumps <= most_jumps * weight && jumps * jumps * front.colors <= half_of_square * weight * weight;
+  return jumps <= most_jumps * weight && jumps * jumps * front.range <= half_of_square * weight * weight;
 }
 
 /// Fewer members are soon resolved from event to event.
@@ -247,7 +247,7 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
     Members members = active_.members.view();
     members.enough = model_.hard() ? std::numeric_limits<float>::min() : model_.edge_weight();
     FrontSum front = math_.front_over(members, begin, end);
-    const Ticks longest = longest_step(front.fastest);
+    const Ticks longest = longest_step(front.fastest, front.range);
     Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
     if (sink_ != nullptr && !(front.limit < sink_->nearest())) kind = Front::other;
     if (kind == Front::covers || kind == Front::thin) {
@@ -288,13 +288,16 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
   return resolve_stack(begin, event, pixel);
 }
 
-/// How long a piece may be whose fastest kernel has that rate.
-Ticks PixelSweep::longest_step(float rate) {
-  if (rate != step_rate_) {
+/// How long a piece may be whose fastest kernel has that rate, and whose members differ that much.
+Ticks PixelSweep::longest_step(float rate, float range) {
+  const LikeMembers& like = like_members_of(range);
+  if (rate != step_rate_ || &like != step_like_) {
     step_rate_ = rate;
-    longest_step_ =
-        std::max(static_cast<Ticks>(longest_piece(rate, longest_front_span, model_.delta()) * shutter_close),
-                 shortest_interval);
+    step_like_ = &like;
+    // A quarter of what is allowed of colours that differ by more.
+    const float piece = longest_piece(rate, like.reach * longest_front_span, model_.delta(),
+                                      std::min(4.0f * like.range, 1.0f));
+    longest_step_ = std::max(static_cast<Ticks>(piece * shutter_close), shortest_interval);
   }
   return longest_step_;
 }
