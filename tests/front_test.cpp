@@ -34,8 +34,8 @@ struct Streak {
 MemberSet members_of(const std::vector<Streak>& streaks) {
   MemberSet members;
   FragmentArrays arrays;
-  arrays.ensure(1);
   for (const Streak& s : streaks) {
+    arrays.ensure(1);
     arrays.t_begin[0] = ticks_of(s.from);
     arrays.t_end[0] = ticks_of(s.to);
     arrays.y[0] = static_cast<float>(s.y);
