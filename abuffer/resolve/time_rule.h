@@ -22,8 +22,8 @@ inline constexpr float longest_front_span = 0.8f;
 ///
 /// With C the colour, over a span s Gauss's two points differ from the integral by at most s⁴/4320 |C⁽⁴⁾|. ln
 /// ρ has slopes of up to 2√δ, and for two kernels, one black and one white, C is a logistic function of up to
-/// 4√δ y. `span` is of
-/// the fastest kernel, `duration` a share of the exposure, `range` how far colours differ.
+/// 4√δ y. `span` is of the fastest kernel, `duration` a share of the exposure, `range` how far colours
+/// differ.
 [[nodiscard]] inline bool two_points_suffice(float span, float duration, float delta, float range = 1.0f) {
   const float square = delta * span * span;
   return 7.6e-3f * range * duration * square * square <= piece_error;
