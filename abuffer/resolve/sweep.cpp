@@ -12,11 +12,18 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr Ticks never = std::numeric_limits<Ticks>::max();
 
-/// Of its weight, what a front may gain and lose by fragments that begin and end within a piece. Of a step by
-/// j at the share x of the piece, the line that stands for Σρ leaves the variance j² x(1−x) (1 − 3x(1−x)),
-/// which is j²/12 at most. So a colour is off by at most a twelfth of the square of this, and by as much less
-/// as steps are far from the worst x, go to both sides, or are of like colours.
-constexpr float most_jumps = 0.2f;
+/// Of a step by j at the share x of the piece, the line that stands for Σρ leaves the variance j² x(1−x) (1 −
+/// 3x(1−x)), which is j²/12 at most. So a colour is off by at most a twelfth of the square of few_jumps, and
+/// by as much less as steps are far from the worst x or go to both sides; and it is off by no more than as
+/// large a share of the range of the members' colours, so that of like colours more may begin and end. But
+/// not so much that a line is no likeness of the weight.
+constexpr float most_jumps = 0.6f;
+bool few_enough(const FrontSum& front) {
+  const float jumps = front.jumps, weight = front.mean.weight;
+  if (jumps <= few_jumps * weight) return true;
+  constexpr float half_of_square = 0.5f * few_jumps * few_jumps;
+  return jumps <= most_jumps * weight && jumps * jumps * front.range <= half_of_square * weight * weight;
+}
 
 /// Fewer members are soon resolved from event to event.
 constexpr std::size_t least_to_merge = 32;
@@ -237,8 +244,10 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
   bool failed = false;
   while (step_ > 0) {
     counters_->evaluations += active_.members.size();
-    FrontSum front = math_.front_over(active_.members.view(), begin, end);
-    const Ticks longest = longest_step(front.fastest);
+    Members members = active_.members.view();
+    members.enough = model_.hard() ? std::numeric_limits<float>::min() : model_.edge_weight();
+    FrontSum front = math_.front_over(members, begin, end);
+    const Ticks longest = longest_step(front.fastest, front.range);
     Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
     if (sink_ != nullptr && !(front.limit < sink_->nearest())) kind = Front::other;
     if (kind == Front::covers || kind == Front::thin) {
@@ -279,13 +288,16 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
   return resolve_stack(begin, event, pixel);
 }
 
-/// How long a piece may be whose fastest kernel has that rate.
-Ticks PixelSweep::longest_step(float rate) {
-  if (rate != step_rate_) {
+/// How long a piece may be whose fastest kernel has that rate, and whose members differ that much.
+Ticks PixelSweep::longest_step(float rate, float range) {
+  const LikeMembers& like = like_members_of(range);
+  if (rate != step_rate_ || &like != step_like_) {
     step_rate_ = rate;
-    longest_step_ =
-        std::max(static_cast<Ticks>(longest_piece(rate, longest_front_span, model_.delta()) * shutter_close),
-                 shortest_interval);
+    step_like_ = &like;
+    // A quarter of what is allowed of colours that differ by more.
+    const float piece = longest_piece(rate, like.reach * longest_front_span, model_.delta(),
+                                      std::min(4.0f * like.range, 1.0f));
+    longest_step_ = std::max(static_cast<Ticks>(piece * shutter_close), shortest_interval);
   }
   return longest_step_;
 }
@@ -299,7 +311,7 @@ PixelSweep::Front PixelSweep::kind_of(FrontSum& front, Ticks end) const {
   const float weight = front.mean.weight;
   if (model_.hard() ? !(front.low > 0.0f) : front.low < model_.edge_weight())
     return weight < model_.edge_weight() ? Front::other : Front::too_varied;
-  if (!(front.jumps <= most_jumps * weight)) return Front::too_varied;
+  if (!few_enough(front)) return Front::too_varied;
   front.opaque = true;
   for (const float sign : {-1.0f, 1.0f}) {
     const SurfaceSum point = at_point(front.mean, front.swing, sign);

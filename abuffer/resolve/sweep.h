@@ -90,7 +90,7 @@ class PixelSweep {
   Ticks advance(Ticks begin, PixelSum& pixel);
   Ticks resolve_stack(Ticks begin, Ticks end, PixelSum& pixel);
   std::optional<Ticks> resolve_merged(Ticks begin, Ticks event, PixelSum& pixel);
-  [[nodiscard]] Ticks longest_step(float rate);
+  [[nodiscard]] Ticks longest_step(float rate, float range);
 
   SurfaceModel model_;
   IntervalMath math_;
@@ -118,6 +118,7 @@ class PixelSweep {
   /// Depth beyond which nothing shows: of the last piece, +∞ unless it was opaque.
   float front_limit_ = 0.0f;
   float step_rate_ = -1.0f;  ///< of the last call of longest_step(), and what it gave
+  const LikeMembers* step_like_ = nullptr;
   Ticks longest_step_ = 0;
   Ticks step_ = 0;  ///< how long the next piece may be if the last one was a front; 0 if it was not
 };

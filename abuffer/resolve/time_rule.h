@@ -22,17 +22,18 @@ inline constexpr float longest_front_span = 0.8f;
 ///
 /// With C the colour, over a span s Gauss's two points differ from the integral by at most s⁴/4320 |C⁽⁴⁾|. ln
 /// ρ has slopes of up to 2√δ, and for two kernels, one black and one white, C is a logistic function of up to
-/// 4√δ y. `span` is of the fastest kernel, `duration` a share of the exposure.
-[[nodiscard]] inline bool two_points_suffice(float span, float duration, float delta) {
+/// 4√δ y. `span` is of the fastest kernel, `duration` a share of the exposure, `range` how far colours
+/// differ.
+[[nodiscard]] inline bool two_points_suffice(float span, float duration, float delta, float range = 1.0f) {
   const float square = delta * span * span;
-  return 7.6e-3f * duration * square * square <= piece_error;
+  return 7.6e-3f * range * duration * square * square <= piece_error;
 }
 
 /// The longest piece, as a share of the exposure, over which kernels of that rate keep to the rule and move
 /// no farther than `longest` along their lines.
-[[nodiscard]] inline float longest_piece(float rate, float longest, float delta) {
+[[nodiscard]] inline float longest_piece(float rate, float longest, float delta, float range = 1.0f) {
   float duration = rate > 0.0f ? std::min(1.0f, 0.99f * longest / rate) : 1.0f;
-  while (!two_points_suffice(rate * duration, duration, delta)) duration *= 0.9f;
+  while (!two_points_suffice(rate * duration, duration, delta, range)) duration *= 0.9f;
   return duration;
 }
 

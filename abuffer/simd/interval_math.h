@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "splat/interval/composite.h"
@@ -37,6 +38,7 @@ struct Members {
   const float* data;   ///< field by field
   std::size_t stride;  ///< from one field to the next
   std::size_t count, padded;
+  float enough = 0.0f;  ///< for front_over(): what FrontSum::low has to reach, if it can be shown to
 
   [[nodiscard]] const float* field(MemberField which) const { return data + which * stride; }
 };
@@ -64,16 +66,38 @@ struct FrontSum {
   float low = 0.0f;    ///< Σρ of the front is nowhere less
   float jumps = 0.0f;  ///< Σ of the ρ by which fragments of the front begin and end within the piece
   SurfaceSum swing;
-  float peaks = 0.0f;       ///< Σρ of the front is nowhere more
-  float fastest = 0.0f;     ///< the largest rate in the front
-  float limit = 0.0f;       ///< nothing that stays deeper than this is part of it
-  float margin = 0.0f;      ///< twice the largest tolerance
-  bool opaque = false;      ///< for the caller to find out
-  bool behind = false;      ///< something lies behind the front
-  bool mixed = false;       ///< its members show both sides, so that it is not one surface
+  float peaks = 0.0f;    ///< Σρ of the front is nowhere more
+  float fastest = 0.0f;  ///< the largest rate in the front
+  float limit = 0.0f;    ///< nothing that stays deeper than this is part of it
+  float margin = 0.0f;   ///< twice the largest tolerance
+  bool opaque = false;   ///< for the caller to find out
+  bool behind = false;   ///< something lies behind the front
+  bool mixed = false;    ///< its members show both sides, so that it is not one surface
+  /// The widest range of any channel among the front's members, or of their depths as a share of the front's
+  /// if that is more.
+  float range = std::numeric_limits<float>::infinity();
   Ticks changes_at = 0;     ///< until then one member stays the nearest
   Ticks settled_until = 0;  ///< the sums hold if this is the end of the piece; else a shorter one that may do
 };
+
+/// Of its weight, what a front may gain and lose by fragments that begin and end within a piece, whatever
+/// their colours.
+inline constexpr float few_jumps = 0.2f;
+
+/// What a front shows is a mean of its members, so that what a mean's weights are off by is in the picture
+/// times the range of what they weigh. The first term that sums leave out grows with the tenth power of how
+/// far members move: so far more they may, the more alike they are.
+struct LikeMembers {
+  float range;  ///< FrontSum::range up to which
+  float reach;  ///< members may move so many times as far along their lines; reach¹⁰ · range ≤ 1
+};
+inline constexpr LikeMembers like_members[] = {
+    {0x1p-10f, 2.0f}, {0x1p-6f, 1.5f}, {0x1p-4f, 1.25f}, {std::numeric_limits<float>::infinity(), 1.0f}};
+[[nodiscard]] inline const LikeMembers& like_members_of(float range) {
+  const LikeMembers* like = like_members;
+  while (range > like->range) ++like;
+  return *like;
+}
 
 /// By member, over a piece in which all are there: what swings_over() reads, and what it writes.
 struct Swings {

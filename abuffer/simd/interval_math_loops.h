@@ -7,6 +7,7 @@
 #include <bit>
 #include <limits>
 
+#include "abuffer/simd/front_bounds.h"
 #include "abuffer/simd/interval_math.h"
 #include "abuffer/simd/lanes.h"
 #include "splat/interval/side.h"
@@ -284,9 +285,11 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
   times.settled_until = end;
   const float nearest_begin = smallest(min_begin), nearest_end = smallest(min_end);
   const float within = smallest(min_tolerance);
+  float thickness = sum.margin;
   if (largest(max_begin) - nearest_begin <= within && largest(max_end) - nearest_end <= within) {
     times.span[0] = {begin, end, beyond, beyond};
     sum.limit = std::max(largest(max_begin), largest(max_end)) + largest(max_tolerance);
+    thickness = std::max(largest(max_begin) - nearest_begin, largest(max_end) - nearest_end);
   } else {
     find_front_times(members, begin, end, times);
     sum.limit = -beyond;
@@ -302,6 +305,8 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
         blue_swing = weight, alpha_swing = weight, depth_swing = weight, peaks = weight, low_slope = weight,
         fastest = weight, reaches = weight;
   LaneBits behind = lanes_below(0), unsettled = behind, sides = behind;
+  FrontPresence presence;
+  const bool noted = members.padded <= FrontPresence::most * member_lanes;
   const float per_duration = 1.0f / static_cast<float>(end - begin);
   for (std::size_t i = 0; i < members.padded; i += member_lanes) {
     const LaneTicks born = load_ticks(t + i), dies = load_ticks(t_end + i);
@@ -326,6 +331,10 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
       to = choose(in_front, later(to, ends), to);
       in_all = in_all + choose(in_front, ends - begins, all_ticks(0));
     }
+    if (noted) {
+      presence.from[i / member_lanes] = from;
+      presence.to[i / member_lanes] = to;
+    }
     const LaneBits in_front = below(from, to);
     sides = sides | (in_front & load_bits(side + i));
     // One that leaves the front and comes back.
@@ -349,9 +358,8 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
     // Of the piece the member's share, and how far after the piece's middle its own is.
     const Lanes share = choose(partial, ticks * per_duration, only(in_front, all(1.0f)));
     const Lanes after = (floats_from(from - first) - floats_from(last - to)) * (0.5f * per_duration);
-    // The first terms of gaussian_centroid().
-    const Lanes x = larger(smaller(middle, all(9.3f)), all(-9.3f)) * span, square = x * x + span * span;
-    const Lanes centroid = x * ((1.0f / 90.0f) * square - (1.0f / 6.0f));
+    const Lanes x = larger(smaller(middle, all(9.3f)), all(-9.3f)) * span;
+    const Lanes centroid = centroid_of(x, span);
     const Lanes mean = share * m;
     const Lanes swing = mean * (after + share * centroid) * (6.0f * root_third);
 
@@ -374,7 +382,9 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
     const Lanes all_along = only(~partial, at_middle);
     low += all_along * (1.0f - 0.25f * (span * span));
     low_slope += all_along * x;
-    const Lanes step = only(partial & in_front, choose(cut_off, m * (1.0f + magnitude(x)), load(jump + i)));
+    const Lanes step = only(
+        partial & in_front,
+        choose(cut_off, m * (1.0f + magnitude(x) * (1.0f + (1.0f / 3.0f) * magnitude(x))), load(jump + i)));
     jumps += step;
   }
   static_assert(offsetof(FrontSum, jumps) == 7 * sizeof(float) &&
@@ -392,9 +402,15 @@ SWEPT_INLINE FrontSum front_over_text(const Members& members, Ticks begin, Ticks
   std::uint32_t all_sides = 0;
   for (std::size_t i = 0; i < member_lanes; ++i) all_sides |= sides[i];
   sum.mixed = both_sides(all_sides);
-  if (!(largest(reaches) <= 1.0f)) sum.settled_until = begin;
   // Where, is not known; until the front's nearest changes first, nothing comes back.
   if (any(unsettled)) sum.settled_until = times.count > 1 ? times.span[1].begin : begin;
+  if (sum.settled_until < end) return sum;
+  if (noted) {
+    sum.range = std::max(color_range(members, presence),
+                         thickness * sum.mean.weight / std::max(sum.mean.depth, 1e-30f));
+    if (sum.low < members.enough) sum.low = std::max(sum.low, least_weight(members, begin, end, presence));
+  }
+  if (!(largest(reaches) <= like_members_of(sum.range).reach)) sum.settled_until = begin;
   return sum;
 }
 

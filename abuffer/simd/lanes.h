@@ -44,6 +44,9 @@ inline Lanes operator-(const Lanes& a, const Lanes& b) {
 inline Lanes operator*(const Lanes& a, const Lanes& b) {
   return by_lane<float>([&](std::size_t i) { return a[i] * b[i]; });
 }
+inline Lanes operator/(const Lanes& a, const Lanes& b) {
+  return by_lane<float>([&](std::size_t i) { return a[i] / b[i]; });
+}
 inline Lanes operator+(float a, const Lanes& b) { return all(a) + b; }
 inline Lanes operator-(float a, const Lanes& b) { return all(a) - b; }
 inline Lanes operator*(float a, const Lanes& b) { return all(a) * b; }
