@@ -186,7 +186,8 @@ void SplatFrame::begin_behind_lens() {
   float motion = 0.0f;
   for (std::size_t c = 0; c < grid_.size(); ++c) motion = std::max(motion, surfaces_->motion_px(c));
   int count = moves ? std::max(1, options_.samples) : 1;
-  if (options_.samples == 0) count = std::max(count, first_instants(motion, options_.max_error_db));
+  if (options_.samples == 0)
+    count = std::max(count, first_instants(motion, options_.max_error_db, other_instants_per_px));
   if (lens_.given()) {
     // Of what moves a single instant for each point leaves the two too much to chance.
     if (options_.samples == 0 && moves) count = std::max(count, 2 * lens_.points());
@@ -242,7 +243,7 @@ void SplatFrame::count_without_forecast(const SplatRow& standing) {
   for (CellWork& work : cells_) {
     if (!work.adaptive || work.forecast) continue;
     const bool splats_move = motion_ != nullptr && motion_->moves(work.index);
-    work.count = std::max(first_instants(surfaces_->motion_px(work.index), first_db),
+    work.count = std::max(first_instants(surfaces_->motion_px(work.index), first_db, other_instants_per_px),
                           splats_move ? first_splat_instants(motion_->spread(work.index), first_db) : 2);
     if (motion_ != nullptr)
       work.count = std::max(work.count, instants_of_jumps(motion_->near_jumps_of(work.index)));
