@@ -60,8 +60,8 @@ int print_times_by_points(std::size_t most, const RenderControl& control) {
                              instants = run(moving->scene, sixteen, control),
                              asked = run(moving->scene, {}, control);
     if (!still || !instants || !asked) return 1;
-    const auto each = [&](const Run& of) {
-      return fmt::format("{:.3f}, {:.3f}", of.seconds, 1e6 * of.seconds / static_cast<double>(points));
+    const auto each = [count = static_cast<double>(points)](const Run& of) {
+      return fmt::format("{:.3f}, {:.3f}", of.seconds, 1e6 * of.seconds / count);
     };
     fmt::print("| {} | {} | {} | {}, {:.1f}, {:.1f} |\n", points, each(*still), each(*instants), each(*asked),
                asked->instants, asked->seconds / still->seconds);
