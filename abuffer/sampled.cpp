@@ -30,7 +30,9 @@ namespace {
 
 /// Doubling leaves most cells better than they need be, so that each may have so much more than its share.
 /// The fewer cells there are, the less can be relied on that.
-[[nodiscard]] double slack(double moving_cells) { return 1.0 + 2.5 * moving_cells / (moving_cells + 24.0); }
+[[nodiscard]] double slack(double moving_cells, bool lens) {
+  return 1.0 + (lens ? 2.5 : 2.0) * moving_cells / (moving_cells + 24.0);
+}
 
 /// A cell as far as it has come.
 struct CellProgress {
@@ -123,7 +125,7 @@ class Renderer {
       const double px = double{1.0} * cell.width * cell.height;
       const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
       if (lens_.any() ? !packets.empty() : motion > 0.0f) {
-        int looks = first_instants(motion, options_.max_error_db);
+        int looks = first_of(motion, options_.max_error_db);
         if (lens_.any() && !lens_.given()) looks = first_looks(blur_->of(packets), looks);
         moving_px += px;
         allowed_squares_[c] = error_share(px, packets.size(), looks);
@@ -135,8 +137,8 @@ class Renderer {
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
-    const double allowed =
-        slack(moving_px / (cell_px * cell_px)) * std::pow(10.0, -0.1 * options_.max_error_db) * 3.0 * film_px;
+    const double allowed = slack(moving_px / (cell_px * cell_px), lens_.any()) *
+                           std::pow(10.0, -0.1 * options_.max_error_db) * 3.0 * film_px;
     for (std::size_t c = 0; c < allowed_squares_.size(); ++c) {
       if (allowed_squares_[c] == 0.0) continue;
       allowed_squares_[c] *= allowed / shares;
@@ -165,6 +167,10 @@ class Renderer {
         double_instants(i, renderer, table);
     }
     finish_cell(i, renderer);
+  }
+
+  [[nodiscard]] int first_of(float motion_px, double error_db) const {
+    return first_instants(motion_px, error_db, lens_.any() ? other_instants_per_px : disc_instants_per_px);
   }
 
   /// Cells of a single row say too little about their error: those of a square share their number of
@@ -197,8 +203,7 @@ class Renderer {
     for (const std::size_t row : rows) {
       allowed += allowed_squares_[row];
       if (!exposure_.instant())
-        first = std::max(first,
-                         first_instants(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
+        first = std::max(first, first_of(typical_motion(*bins_, bins_->packets(row)), options_.max_error_db));
     }
     for (int count = first;; count *= 2) {
       double squares = 0.0;
@@ -210,7 +215,11 @@ class Renderer {
                        count > 1 ? estimating_weights(k, count) : InstantWeights{});
         }
         std::optional<ErrorEstimate> estimate;
-        if (count > 1) squares += estimate.emplace(renderer.squares(), count).squares();
+        if (count > 1)
+          squares += estimate
+                         .emplace(renderer.squares(), count,
+                                  exposure_.instant() ? 0.0f : typical_motion(*bins_, bins_->packets(row)))
+                         .squares();
         const std::size_t i = window_index[row];
         if (i >= window_cells_.size()) continue;
         progress_[i].count = progress_[i].instants = count;
@@ -240,7 +249,7 @@ class Renderer {
     const int row = bins_->cell(window_cells_[i]).y;
     CellProgress& cell = progress_[i];
     cell.count = motion > 0.0f ? options_.samples : 1;
-    if (cell.count == 0) cell.count = first_instants(motion, error_db);
+    if (cell.count == 0) cell.count = first_of(motion, error_db);
     const bool estimated =
         motion > 0.0f && cell.count > 1 && (options_.samples == 0 || options_.error_channel);
     for (int k = 0; k < cell.count; ++k) {
@@ -250,7 +259,7 @@ class Renderer {
       renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
     }
     cell.instants = cell.count;
-    if (estimated) cell.estimate.emplace(renderer.squares(), cell.count);
+    if (estimated) cell.estimate.emplace(renderer.squares(), cell.count, motion);
   }
 
   /// The first looks through the lens. Of given points each at instants of its own, as many in all as it
@@ -260,7 +269,7 @@ class Renderer {
     const float motion = exposure_.instant() ? 0.0f : typical_motion(*bins_, packets);
     CellProgress& cell = progress_[i];
     int instants = motion > 0.0f ? options_.samples : 1;
-    if (instants == 0) instants = first_instants(motion, error_db);
+    if (instants == 0) instants = first_of(motion, error_db);
     if (lens_.given()) {
       const int points = lens_.points();
       // Of what moves a single instant for each point leaves the two too much to chance.

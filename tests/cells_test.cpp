@@ -2,6 +2,8 @@
 #include "abuffer/tiles/cells.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
@@ -100,6 +102,32 @@ TEST(Cells, KnowWhatPassesTheNearPlane) {
       test::move(scene.objects[0], front, behind, seed % 3 == 0 ? 1.0 : 0.0);
     expect_known(scene, "seed " + std::to_string(seed));
   }
+}
+
+/// A floor that begins behind the eye and stands still.
+TEST(Cells, AreSparedWhatStandsBelowTheEye) {
+  Scene scene = test::stage();
+  scene.film = {448, 320, 0, 0, 0, 0};
+  scene.camera.near = 0.05;
+  Object& floor = scene.objects.emplace_back();
+  for (int z = 0; z < 80; ++z)
+    for (int x = 0; x < 80; ++x)
+      test::add_disc(floor, {0.1 * (x - 40), -1.5, 7.0 - 0.1 * z}, {0.0, 1.0, 0.0}, 0.07);
+  expect_known(scene, "floor");
+
+  const Exposure exposure = scene.exposure();
+  const std::vector<PointPackets> objects = pack_points(scene, exposure);
+  const PacketBins bins(scene, exposure, objects);
+  const ObjectInstant at(scene, objects[0], exposure.open);
+  std::set<std::uint32_t> through, known;
+  for (std::uint32_t p = 0; p < objects[0].count; ++p)
+    if (std::abs(at.center(objects[0], p).z() - scene.camera.near) < double{objects[0].radius[p]})
+      through.insert(p);
+  for (std::size_t cell = 0; cell < bins.cell_count(); ++cell)
+    for (const PacketRef packet : bins.packets(cell)) known.insert(packet.packet);
+  EXPECT_GE(through.size(), 5u);
+  EXPECT_GE(known.size(), 50u);
+  for (const std::uint32_t p : through) EXPECT_EQ(known.count(p), 0u) << "packet " << p;
 }
 
 TEST(Cells, KnowWhatACameraLooksAtAsItPassesBy) {

@@ -1,7 +1,9 @@
 // Frames of a sequence that are loaded while the one before is rendered: the same scenes, the same bytes, and
 // errors of a frame at that frame alone.
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -84,6 +86,66 @@ TEST_F(LoadAhead, WhatFailsIsToldByTheFrameItself) {
   EXPECT_EQ(place(file, 2), 2.0);
   file.load_ahead(1e300, generate);
   EXPECT_FALSE(file.scene_at(1e300, generate).ok());
+}
+
+const std::string generated_head =
+    R"({"swept": 1, "film": {"width": 48, "height": 32}, "shutter": {"open": 0, "close": 0.5},
+ "camera": {"fov": {"axis": "vertical", "degrees": 40},
+            "keys": [{"eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0]}]}, )";
+
+TEST(GenerateAhead, GivesWhatTheSceneWouldHaveGenerated) {
+  const std::string text = generated_head + R"("objects": [
+    {"source": {"generator": "sphere", "points": 500}},
+    {"source": {"generator": "knot", "points": 700, "seed": 5}},
+    {"source": {"generator": "plane", "points": 300, "red": 0.5}}]})";
+  const test::TemporaryFolder folder;
+  test::put(folder / "scene.json", text);
+  Result<SceneFile> plain = read_scene_file(folder / "scene.json"),
+                    ahead = read_scene_file(folder / "scene.json");
+  ASSERT_TRUE(plain.ok() && ahead.ok());
+  std::atomic<int> calls{0};
+  const auto counted = [&](const std::string& shape, std::size_t points, const auto& parameters) {
+    ++calls;
+    return generate(shape, points, parameters);
+  };
+  ahead->generate_ahead(1, counted, 3);
+  EXPECT_EQ(calls, 3);
+  const Result<const Scene*> one = plain->scene_at(1, generate), other = ahead->scene_at(1, counted);
+  ASSERT_TRUE(one.ok() && other.ok());
+  EXPECT_EQ(calls, 3) << "what is there is not generated again";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SurfelCloud &a = (*one)->objects[i].cloud, &b = (*other)->objects[i].cloud;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      ASSERT_EQ(a.keys[0].pose.position[k], b.keys[0].pose.position[k]);
+      ASSERT_EQ(a.color[k], b.color[k]);
+    }
+  }
+  ahead->generate_ahead(2, counted, 3);
+  ASSERT_TRUE(ahead->scene_at(2, counted).ok());
+  EXPECT_EQ(calls, 3) << "nor is what stays";
+}
+
+TEST(GenerateAhead, WhatFailsIsToldByTheSceneOfTheFirstThatFails) {
+  const test::TemporaryFolder folder;
+  test::put(folder / "scene.json", generated_head + R"("objects": [
+    {"source": {"generator": "sphere", "points": 500}},
+    {"source": {"generator": "knot", "points": 100}},
+    {"source": {"generator": "plane", "points": 300}}]})");
+  Result<SceneFile> file = read_scene_file(folder / "scene.json");
+  ASSERT_TRUE(file.ok());
+  const auto failing = [](const std::string& shape, std::size_t points,
+                          const auto& parameters) -> Result<SurfelCloud> {
+    if (shape == "knot") return Error{"", "points", "no knots today"};
+    if (shape == "plane") throw std::runtime_error("no planes either");
+    return generate(shape, points, parameters);
+  };
+  file->generate_ahead(1, failing, 2);
+  const Result<const Scene*> scene = file->scene_at(1, failing);
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().reason.find("no knots today"), std::string::npos) << scene.error().message();
+  EXPECT_NE(scene.error().field.find("/objects/1"), std::string::npos) << scene.error().message();
+  EXPECT_TRUE(file->scene_at(1, generate).ok());
 }
 
 TEST_F(LoadAhead, OnAnotherThreadWhileTheSceneIsRead) {

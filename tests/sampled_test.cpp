@@ -434,6 +434,24 @@ TEST(Sampled, RefusesWhatIsOutOfRange) {
   EXPECT_EQ(render_sampled(scene, instants(1), threads(-1)).error().field, "threads");
 }
 
+TEST(Sampled, ForeseesThatErrorsFallTheFasterTheCloserInstantsAreUntilJumpsLead) {
+  // Few instants a pixel: what fell by a fifth falls by more.
+  EXPECT_LT(expected_fall(0.2, 0.3), 0.2);
+  EXPECT_GT(expected_fall(0.2, 0.3), 0.04);
+  // What did not fall says little there, and nothing near an instant a pixel.
+  EXPECT_GT(expected_fall(1.0, 0.1), 0.9);
+  EXPECT_LT(expected_fall(1.0, 1.0), 0.2);
+  for (const double before : {0.0, 0.01, 0.1, 0.25, 0.5, 1.0, 4.0})
+    for (double x = 1.0 / 256.0; x < 256.0; x *= 1.25) {
+      const double fall = expected_fall(before, x);
+      EXPECT_GE(fall, 0.07) << before << " at " << x;
+      EXPECT_LE(fall, 1.0) << before << " at " << x;
+      EXPECT_GE(expected_fall(before + 0.1, x), fall) << before << " at " << x;
+      // Jumps fall by 4, and little is more than a few dB better.
+      if (x >= 4.0) EXPECT_GE(fall, 0.25) << before << " at " << x;
+    }
+}
+
 TEST(Sampled, AllowsACellMoreErrorTheLongerItTakes) {
   // Half by area and half by time: four times as many pixels or instants are worth twice the error.
   const double share = error_share(1024.0, 100, 8);

@@ -2,10 +2,10 @@
 // and reaches.
 //
 // Usage: swept_engine_benchmark FOLDER [--threads N] [--reference N] [--scenes NAME,…] [--files SCENE.json,…]
-//                               [--abuffer] [--rays N] [--random N] [--first-random K]
+//                               [--abuffer] [--rays N] [--random N] [--first-random K] [--points N]
 // FOLDER keeps the reference images, and is used again. Times are CPU seconds of the process, all threads
 // together. --random takes so many scenes that nobody chose instead, and counts how often what was asked for
-// is reached.
+// is reached. --points tells instead how time grows from 10⁴ points to so many.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -26,6 +26,7 @@
 #include "splat/io/image_file.h"
 #include "splat/io/scene_file.h"
 #include "tools/cpu_seconds.h"
+#include "tools/engine_points.h"
 #include "tools/engine_scenes.h"
 #include "tools/study/raycast.h"
 
@@ -183,7 +184,10 @@ int run(int argc, char** argv) {
   app.add_option("--random", random, "So many scenes that nobody chose, instead");
   app.add_option("--first-random", first_random, "Number of the first of them");
   app.add_option("--rays", others.rays, "Embree too, with so many rays a pixel");
+  std::size_t points = 0;
+  app.add_option("--points", points, "How time grows with the points, up to so many, instead");
   CLI11_PARSE(app, argc, argv);
+  if (points > 0) return print_times_by_points(points, control);
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   std::string columns;

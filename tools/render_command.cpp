@@ -6,10 +6,12 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <sys/resource.h>
 
+#include <ImfThreading.h>
 #include <fmt/core.h>
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -123,6 +125,10 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   run.width = file.scene().film.width;
   run.height = file.scene().film.height;
   run.options = method.options;
+  // OpenEXR compresses on threads of its own, which a process has to ask for.
+  const int threads = run.layer_control.threads > 0 ? run.layer_control.threads
+                                                    : static_cast<int>(std::thread::hardware_concurrency());
+  Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   if (const Status status =
           render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead,
                         [&](const Scene& scene) { return remarks_on(arguments, file, scene); });

@@ -74,6 +74,7 @@ class FrameLoop {
     progress_.begin_frame(output.frame);
     Stopwatch watch;
     if (ahead_.valid()) ahead_.get();
+    file_.generate_ahead(output.frame, generate, run_.layer_control.threads);
     const Result<const Scene*> scene = file_.scene_at(output.frame, generate);
     if (!scene) return of_frame(output, scene.error());
     Result<std::string> hash = file_.hash(output.frame);

@@ -4,10 +4,16 @@
 #include <cmath>
 
 namespace swept {
+namespace {
 
-int first_instants(float motion_px, double max_error_db) {
+/// Of squares whose fall was not seen: that of jumps.
+constexpr double unseen_fall = 0.25;
+
+}  // namespace
+
+int first_instants(float motion_px, double max_error_db, double per_px) {
   if (!(motion_px > 0.0f)) return 1;
-  const double rate = 0.35 * std::pow(10.0, (max_error_db - 60.0) / 40.0);
+  const double rate = per_px * std::pow(10.0, (max_error_db - 60.0) / 40.0);
   const double wanted = std::max(2.0, rate * double{motion_px});
   // 2, 3, 4, 6, 8, 12, …
   int count = 2;
@@ -17,6 +23,13 @@ int first_instants(float motion_px, double max_error_db) {
     count = next;
   }
   return count;
+}
+
+double expected_fall(double before, double instants_per_px) {
+  const double x = instants_per_px;
+  const double least = std::min(0.25, std::max({0.07, 0.025 / x, 0.07 * x}));
+  const double most = std::min(1.0, std::max(0.14 / x, std::min(0.3, 0.12 * x)));
+  return std::clamp(std::pow(before, 1.25), least, std::max(least, most));
 }
 
 double error_share(double px, std::size_t packets, int instants) {
@@ -57,19 +70,29 @@ void count_expected_error(double squares, double px, double worst_cell, Statisti
 
 ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count, const LeastFall& least_fall)
     : least_(least_fall) {
+  begin(squares, count);
+}
+
+ErrorEstimate::ErrorEstimate(const SampledCell::Squares& squares, int count, float motion_px)
+    : motion_px_(double{motion_px}) {
+  begin(squares, count);
+}
+
+void ErrorEstimate::begin(const SampledCell::Squares& squares, int count) {
   const double scale = 1.0 / (double{1.0} * count * count);
   alternating_ = squares.alternating * scale;
   grey_ = squares.grey * scale;
   // Fewer instants than this show no second frequency: at 1/N the error is half of what they show.
   constexpr int least = 4;
-  extrapolate(count < least || squares.quarter == 0.0 ? 0.25 : 0.5 * squares.grey / squares.quarter, count);
+  extrapolate(count < least || squares.quarter == 0.0 ? unseen_fall : 0.5 * squares.grey / squares.quarter,
+              count);
 }
 
 void ErrorEstimate::refine(const SampledCell::Squares& squares, int count) {
   const double before = grey_, scale = 1.0 / (double{1.0} * count * count);
   alternating_ = squares.alternating * scale;
   grey_ = squares.grey * scale;
-  extrapolate(before > 0.0 ? grey_ / before : 0.25, count);
+  extrapolate(before > 0.0 ? grey_ / before : unseen_fall, count);
 }
 
 void ErrorEstimate::foresee(double squares) {
@@ -80,10 +103,13 @@ void ErrorEstimate::foresee(double squares) {
 
 /// `falls_by`: F²(N/2) over F²(N/4).
 void ErrorEstimate::extrapolate(double falls_by, int count) {
-  const double least_fall = count < least_.few ? least_.of_few : least_.of;
-  const double share = multiples * std::clamp(falls_by, least_fall, least_.most);
-  squares_ = alternating_ * share;
-  per_alternating_ = share / (double{1.0} * count * count);
+  double fall = falls_by;
+  if (motion_px_ == 0.0)
+    fall = std::clamp(falls_by, count < least_.few ? least_.of_few : least_.of, least_.most);
+  else if (falls_by != unseen_fall)
+    fall = expected_fall(falls_by, count / motion_px_);
+  squares_ = alternating_ * multiples * fall;
+  per_alternating_ = multiples * fall / (double{1.0} * count * count);
 }
 
 }  // namespace swept

@@ -80,7 +80,8 @@ void Planner::begin_behind_lens() {
   float motion = 0.0f;
   for (std::size_t c = 0; c < film_.grid.size(); ++c) motion = std::max(motion, film_.surfaces.motion_px(c));
   int count = moves ? std::max(1, film_.options.samples) : 1;
-  if (film_.options.samples == 0) count = std::max(count, first_instants(motion, film_.options.max_error_db));
+  if (film_.options.samples == 0)
+    count = std::max(count, first_instants(motion, film_.options.max_error_db, other_instants_per_px));
   if (film_.lens.given()) {
     // Of what moves a single instant for each point leaves the two too much to chance.
     if (film_.options.samples == 0 && moves) count = std::max(count, 2 * film_.lens.points());
@@ -138,8 +139,9 @@ void Planner::count_without_forecast(const SplatRow& standing) {
   for (CellWork& work : plan_.cells) {
     if (!work.adaptive || work.forecast) continue;
     const bool splats_move = plan_.motion != nullptr && plan_.motion->moves(work.index);
-    work.count = std::max(first_instants(film_.surfaces.motion_px(work.index), first_db),
-                          splats_move ? first_splat_instants(plan_.motion->spread(work.index), first_db) : 2);
+    work.count =
+        std::max(first_instants(film_.surfaces.motion_px(work.index), first_db, other_instants_per_px),
+                 splats_move ? first_splat_instants(plan_.motion->spread(work.index), first_db) : 2);
     if (plan_.motion != nullptr)
       work.count = std::max(work.count, instants_of_jumps(plan_.motion->near_jumps_of(work.index)));
     if (work.has_middle) work.count |= 1;

@@ -253,7 +253,12 @@ void PacketBins::follow(const Scene& scene, const Exposure& of_row, const PointP
       PacketBounds before = instants[0].bounds(part.center[2], radius);
       double length = lost ? farthest : 0.0;
       if (lost) touch(everywhere, 0.0);
-      if (still) touch(before, 0.0);
+      if (still) {
+        // What reaches through the near plane beside the film or below it has no bounds there.
+        part.at[0] = part.at[1] = part.at[2];
+        part.center[0] = part.center[1] = part.center[2];
+        if (passage_of(scene, part, radius) != Passage::outside) touch(before, 0.0);
+      }
       for (std::size_t i = 1; i < instants.size(); i += 2) {
         part.at[0] = part.at[2];
         part.center[0] = part.center[2];

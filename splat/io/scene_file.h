@@ -141,6 +141,11 @@ class SceneFile {
   /// again there, and is told there. Does nothing where nothing is loaded frame by frame.
   void load_ahead(double frame, const Generator& generator) noexcept;
 
+  /// Generates what scene_at(frame) will have to, several objects at once on so many threads (0: as many as
+  /// there are), and keeps it for that call. `generator` is called by all of them at once. What fails here
+  /// fails again there, and is told there.
+  void generate_ahead(double frame, const Generator& generator, int threads) noexcept;
+
   /// What the scene was said to assume, and what the readers of the clouds of the last scene_at() read, left
   /// and had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;

@@ -7,6 +7,7 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfOutputFile.h>
+#include <ImfThreading.h>
 #include <half.h>
 
 #include "splat/io/atomic_file.h"
@@ -48,7 +49,8 @@ void write_pixels(Imf::OStream& stream, const Image& image, const ImageMetadata&
     header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
     frame.insert(channel.name, slice_of(Imf::FLOAT, channel.values, 0, 1, image));
   }
-  Imf::OutputFile file(stream, header, 0);
+  // As many threads as the process lets OpenEXR have: none unless it asked for some.
+  Imf::OutputFile file(stream, header, Imf::globalThreadCount());
   file.setFrameBuffer(frame);
   file.writePixels(image.height);
 }
