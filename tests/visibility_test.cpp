@@ -180,6 +180,17 @@ TEST(LossyIntervals, AreOfTriangles) {
   EXPECT_EQ(rendered.error().field, "place_intervals");
 }
 
+TEST(MeshTables, DropLooksThatChange) {
+  Object object = swarm(3, 2).objects[0];
+  SurfelCloud& cloud = object.cloud;
+  for (const double frame : {0.0, 1.0}) cloud.looks.push_back({frame, cloud.color, {}});
+  make_flat(object);
+  EXPECT_TRUE(cloud.looks.empty());
+  EXPECT_EQ(cloud.color.size(), cloud.size());
+  const Status valid = cloud.validate();
+  EXPECT_TRUE(valid.ok()) << valid.error().message();
+}
+
 TEST(MeshTables, AreMeasuredOnMadeUpScenes) {
   std::vector<TraversalScene> scenes = {{"swarm", "", swarm(40, 2)}, {"none", "", {}, "no such file"}};
   for (Object& object : scenes[0].scene.objects) make_flat(object);
