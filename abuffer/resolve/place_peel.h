@@ -42,12 +42,13 @@ class PlacePeel {
     std::uint32_t previous = none, next = none;  ///< in front of it, and behind
     /// Before any was cut off, and 1 over how long that is.
     double since, until, per_time;
-    /// The depth as that begins, half-way and as it ends; u of the way it is off the straight line between
-    /// the ends by u (1 − u) `bow` at most.
-    double z_begin, z_middle, z_end, bow;
+    /// The depth u of the way, z_begin + u (slope + u bend), or off that by so much; and its slope by so
+    /// much.
+    double z_begin, slope, bend, off, slope_off;
 
-    [[nodiscard]] double line(double time) const {
-      return z_begin + (time - since) * per_time * (z_end - z_begin);
+    [[nodiscard]] double at(double time) const {
+      const double u = (time - since) * per_time;
+      return z_begin + u * (slope + u * bend);
     }
   };
   /// Of a share of light, from where the one before ends.
