@@ -157,10 +157,11 @@ std::uint32_t PlacePeel::layer_of(const PlaceInterval& interval) {
   low -= 1e-6 * std::abs(low);
   high += 1e-6 * std::abs(high);
   layers_.push_back({interval.begin, interval.end, std::max(interval.nearest, static_cast<float>(low)),
-                     std::min(interval.farthest, static_cast<float>(high)), interval.source, none, none, none,
-                     interval.begin, interval.end, 1.0 / (interval.end - interval.begin), of.z_begin,
+                     std::min(interval.farthest, static_cast<float>(high)), interval.begin,
+                     1.0 / (interval.end - interval.begin), of.z_begin,
                      4.0 * of.z_middle - 3.0 * of.z_begin - of.z_end,
-                     2.0 * (of.z_begin + of.z_end) - 4.0 * of.z_middle, of.off, of.slope_off});
+                     2.0 * (of.z_begin + of.z_end) - 4.0 * of.z_middle, of.off, of.slope_off, interval.end,
+                     interval.source});
   return static_cast<std::uint32_t>(layers_.size() - 1);
 }
 
@@ -178,13 +179,14 @@ PlacePeel::Side PlacePeel::side(std::uint32_t one, std::uint32_t other, double& 
   if (a.farthest < b.nearest) return Side::before;
   if (b.farthest < a.nearest) return Side::behind;
   const double begin = a.begin, end = std::min(a.end, b.end), off = a.off + b.off;
-  const double at_begin = a.at(begin) - b.at(begin), at_end = a.at(end) - b.at(end),
-               half_way = 0.5 * begin + 0.5 * end,
-               turn = 2.0 * (a.at(half_way) - b.at(half_way)) - 0.5 * (at_begin + at_end);
+  const double over_a = (end - begin) * a.per_time, over_b = (end - begin) * b.per_time;
+  const double at_begin = a.at(begin) - b.at(begin), at_end = a.at(end) - b.at(end);
+  // The middle coefficient of the difference in Bernstein form.
+  const double turn = 0.5 * ((at_begin + at_end) - (a.bend * over_a * over_a - b.bend * over_b * over_b));
   if (std::min({at_begin, turn, at_end}) > off) return Side::behind;
   if (std::max({at_begin, turn, at_end}) < -off) return Side::before;
   // Where their distance grows or shrinks all the time there is one crossing or none.
-  const double slopes_off = (end - begin) * (a.slope_off * a.per_time + b.slope_off * b.per_time);
+  const double slopes_off = a.slope_off * over_a + b.slope_off * over_b;
   const bool steady = std::min(turn - at_begin, at_end - turn) > 0.5 * slopes_off ||
                       std::max(turn - at_begin, at_end - turn) < -0.5 * slopes_off;
   // Equal where both begin or end is the edge of two triangles, where it is their outline: no crossing.

@@ -37,14 +37,15 @@ class PlacePeel {
   struct Layer {
     double begin, end;
     float nearest, farthest;
-    std::uint32_t source;
-    std::uint32_t depth;                         ///< of depths_, once it is needed
-    std::uint32_t previous = none, next = none;  ///< in front of it, and behind
-    /// Before any was cut off, and 1 over how long that is.
-    double since, until, per_time;
+    /// When it began before any was cut off, and 1 over how long it was there.
+    double since, per_time;
     /// The depth u of the way, z_begin + u (slope + u bend), or off that by so much; and its slope by so
     /// much.
     double z_begin, slope, bend, off, slope_off;
+    double until;  ///< when it ended before any was cut off
+    std::uint32_t source;
+    std::uint32_t depth = none;                  ///< of depths_, once it is needed
+    std::uint32_t previous = none, next = none;  ///< in front of it, and behind
 
     [[nodiscard]] double at(double time) const {
       const double u = (time - since) * per_time;
