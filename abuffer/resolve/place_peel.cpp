@@ -11,8 +11,10 @@
 namespace swept {
 namespace {
 
-/// Where a depth is off its parabola by less than this share of itself, the parabola's mean stands for it.
-constexpr double nearly_parabola = 1e-7;
+/// A parabola through both ends and the middle stands for a depth that is off its chord by less than this
+/// share of it: then it is off the parabola by less than 10⁻⁷ on the mean, as the fourth power of a
+/// quotient's bend is to its square.
+constexpr double nearly_straight = 0x1p-12;
 /// An interval that was cut goes on at least so much later.
 constexpr double least_step = 0x1p-46;
 
@@ -23,68 +25,35 @@ double half_way(const FixedBernstein<degree>& p) {
   return sum * (1.0 / (1 << degree));
 }
 
-/// A depth over an interval: at both ends and half-way, by how much it is off the parabola through these at
-/// most, and its slope off that of the parabola, the interval taken as 1.
-struct Parabola {
-  double z_begin, z_middle, z_end, off, slope_off;
+struct Chord {
+  double z_begin, z_middle, z_end, bow;
 };
 
 /// Of above/below of a triangle's stretch between these shares of it. What is no number is off by infinity.
 template <int n>
-Parabola parabola_of(const double* above, const double* below, double from, double to) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
+Chord chord_of(const double* above, const double* below, double from, double to) {
   FixedBernstein<3 * n> over;
   FixedBernstein<2 * n> under;
   std::copy_n(above, 3 * n + 1, over.c);
   std::copy_n(below, 2 * n + 1, under.c);
   over = over.part(from, to);
   under = under.part(from, to);
-  const double first = over.c[0] / under.c[0], middle = half_way(over) / half_way(under),
-               last = over.c[3 * n] / under.c[2 * n];
-  Parabola parabola{first, middle, last, infinity, infinity};
-  if (under.side() == 0) return parabola;
-  // Off by R/D, R = above − parabola·below and D = below, each no larger than its coefficients.
-  FixedBernstein<2 * n + 2> product{};
-  add_product(FixedBernstein<2>{{first, 2.0 * middle - 0.5 * (first + last), last}}, under, product);
-  constexpr int degree = std::max(3 * n, 2 * n + 2);
-  const FixedBernstein<degree> whole = raised_to<degree>(over), fitted = raised_to<degree>(product);
-  double largest = 0.0, off = 0.0, slope_off = 0.0, before = 0.0;
-  for (int k = 0; k <= degree; ++k) {
-    const double apart = whole.c[k] - fitted.c[k];
-    largest = std::max(largest, std::abs(whole.c[k]));
-    off = std::max(off, std::abs(apart));
-    if (k > 0) slope_off = std::max(slope_off, std::abs(apart - before));
-    before = apart;
-  }
-  double least = std::abs(under.c[0]), steepest = 0.0;
-  for (int k = 0; k <= 2 * n; ++k) {
-    least = std::min(least, std::abs(under.c[k]));
-    if (k > 0) steepest = std::max(steepest, std::abs(under.c[k] - under.c[k - 1]));
-  }
-  const double rounding = 1e-13 * largest, per = 1.0 / least;
-  off = (off + rounding) * per;
-  slope_off = (degree * (slope_off + rounding) + off * 2 * n * steepest) * per;
-  if (std::isfinite(off) && std::isfinite(slope_off)) parabola.off = off, parabola.slope_off = slope_off;
-  return parabola;
-}
-
-/// Where depths are equal whose distance grows or shrinks all the time and is `at_from` and `at_to`, of other
-/// signs, at the ends: by false position, where an end that stays counts half as much.
-double only_crossing(const PlaceDepth& a, const PlaceDepth& b, double from, double at_from, double to,
-                     double at_to) {
-  for (int step = 0; step < 60; ++step) {
-    const double time = std::clamp(from + (to - from) * (at_from / (at_from - at_to)), from, to);
-    const double at = a.at(time) - b.at(time);
-    if (at == 0.0) return time;
-    if ((at > 0.0) == (at_to > 0.0)) {
-      if (!(to - time > least_step)) return time;
-      to = time, at_to = at, at_from *= 0.5;
-    } else {
-      if (!(time - from > least_step)) return time;
-      from = time, at_from = at, at_to *= 0.5;
-    }
-  }
-  return 0.5 * from + 0.5 * to;
+  Chord chord{over.c[0] / under.c[0], half_way(over) / half_way(under), over.c[3 * n] / under.c[2 * n],
+              std::numeric_limits<double>::infinity()};
+  if (under.side() == 0) return chord;
+  // above − line·below is 0 at the ends: u (1 − u) times a polynomial of two degrees less, which is no larger
+  // than its coefficients.
+  constexpr int degree = 3 * n;
+  FixedBernstein<degree> apart{};
+  add_product(raised_to<n>(FixedBernstein<1>{{chord.z_begin, chord.z_end}}), under, apart);
+  double most = 0.0, largest = 0.0, least_under = std::abs(under.c[0]);
+  for (const double v : over.c) largest = std::max(largest, std::abs(v));
+  for (const double v : under.c) least_under = std::min(least_under, std::abs(v));
+  for (int k = 1; k < degree; ++k)
+    most = std::max(most, degree * (degree - 1.0) / (k * (degree - k)) * std::abs(over.c[k] - apart.c[k]));
+  const double bow = (most + 1e-13 * largest) / least_under;
+  if (std::isfinite(bow)) chord.bow = bow;
+  return chord;
 }
 
 }  // namespace
@@ -141,27 +110,23 @@ std::uint32_t PlacePeel::layer_of(const PlaceInterval& interval) {
   const int degree = triangle.depth(*ray_, above, below);
   const auto share = [&](double time) { return std::clamp(triangle.local(time), 0.0, 1.0); };
   const double from = share(interval.begin), to = std::max(from, share(interval.end));
-  Parabola of = degree == 1   ? parabola_of<1>(above, below, from, to)
-                : degree == 2 ? parabola_of<2>(above, below, from, to)
-                              : parabola_of<3>(above, below, from, to);
+  Chord chord = degree == 1   ? chord_of<1>(above, below, from, to)
+                : degree == 2 ? chord_of<2>(above, below, from, to)
+                              : chord_of<3>(above, below, from, to);
   // Never outside of these depths, where rounding may put a quotient of what is nearly 0.
-  for (double* z : {&of.z_begin, &of.z_middle, &of.z_end}) {
+  for (double* z : {&chord.z_begin, &chord.z_middle, &chord.z_end}) {
     const double within = std::min(double{interval.farthest}, std::max(double{interval.nearest}, *z));
-    if (within != *z) of.off = of.slope_off = std::numeric_limits<double>::infinity();
+    if (within != *z) chord.bow = std::numeric_limits<double>::infinity();
     *z = within;
   }
-  const double turn = 2.0 * of.z_middle - 0.5 * (of.z_begin + of.z_end);
-  double low = std::min({of.z_begin, turn, of.z_end}) - of.off,
-         high = std::max({of.z_begin, turn, of.z_end}) + of.off;
+  const double low = std::min(chord.z_begin, chord.z_end) - 0.25 * chord.bow,
+               high = std::max(chord.z_begin, chord.z_end) + 0.25 * chord.bow;
   // A float's rounding.
-  low -= 1e-6 * std::abs(low);
-  high += 1e-6 * std::abs(high);
-  layers_.push_back({interval.begin, interval.end, std::max(interval.nearest, static_cast<float>(low)),
-                     std::min(interval.farthest, static_cast<float>(high)), interval.begin,
-                     1.0 / (interval.end - interval.begin), of.z_begin,
-                     4.0 * of.z_middle - 3.0 * of.z_begin - of.z_end,
-                     2.0 * (of.z_begin + of.z_end) - 4.0 * of.z_middle, of.off, of.slope_off, interval.end,
-                     interval.source});
+  const float nearest = std::max(interval.nearest, static_cast<float>(low - 1e-6 * std::abs(low))),
+              farthest = std::min(interval.farthest, static_cast<float>(high + 1e-6 * std::abs(high)));
+  layers_.push_back({interval.begin, interval.end, nearest, farthest, interval.source, none, none, none,
+                     interval.begin, interval.end, 1.0 / (interval.end - interval.begin), chord.z_begin,
+                     chord.z_middle, chord.z_end, chord.bow});
   return static_cast<std::uint32_t>(layers_.size() - 1);
 }
 
@@ -176,47 +141,38 @@ const PlaceDepth& PlacePeel::depth(std::uint32_t layer) {
 
 PlacePeel::Side PlacePeel::side(std::uint32_t one, std::uint32_t other, double& until) {
   const Layer &a = layers_[one], &b = layers_[other];
+  if (a.passed == other) return a.passed_to;
   if (a.farthest < b.nearest) return Side::before;
   if (b.farthest < a.nearest) return Side::behind;
-  const double begin = a.begin, end = std::min(a.end, b.end), off = a.off + b.off;
-  const double over_a = (end - begin) * a.per_time, over_b = (end - begin) * b.per_time;
-  const double at_begin = a.at(begin) - b.at(begin), at_end = a.at(end) - b.at(end);
-  // The middle coefficient of the difference in Bernstein form.
-  const double turn = 0.5 * ((at_begin + at_end) - (a.bend * over_a * over_a - b.bend * over_b * over_b));
-  if (std::min({at_begin, turn, at_end}) > off) return Side::behind;
-  if (std::max({at_begin, turn, at_end}) < -off) return Side::before;
-  // Where their distance grows or shrinks all the time there is one crossing or none.
-  const double slopes_off = a.slope_off * over_a + b.slope_off * over_b;
-  const bool steady = std::min(turn - at_begin, at_end - turn) > 0.5 * slopes_off ||
-                      std::max(turn - at_begin, at_end - turn) < -0.5 * slopes_off;
-  // Equal where both begin or end is the edge of two triangles, where it is their outline: no crossing.
-  const double equal = 1e-11 * std::abs(a.z_begin);
-  if (steady &&
-      ((a.since == b.since && begin == a.since && std::abs(at_begin) <= equal && std::abs(at_end) > off) ||
-       (a.until == b.until && end == a.until && std::abs(at_end) <= equal && std::abs(at_begin) > off)))
+  const double begin = a.begin, end = std::min(a.end, b.end), at_begin = a.line(begin) - b.line(begin),
+               at_end = a.line(end) - b.line(end);
+  const double off = 0.25 * (a.bow + b.bow);
+  if (at_begin > off && at_end > off) return Side::behind;
+  if (at_begin < -off && at_end < -off) return Side::before;
+  // Triangles on either side of an edge, where it is the outline: at one depth where both begin or end, from
+  // where their distance grows faster than lines may be off.
+  const double equal = 1e-10 * std::abs(a.z_begin), apart = std::max(std::abs(at_begin), std::abs(at_end));
+  const double bends = (end - begin) * (a.bow * a.per_time + b.bow * b.per_time);
+  if ((std::abs(at_begin) <= equal && a.since == b.since && a.since == begin && apart > bends) ||
+      (std::abs(at_end) <= equal && a.until == b.until && a.until == end && apart > bends))
     return at_begin + at_end > 0.0 ? Side::behind : Side::before;
   // In one order, whichever came first.
   const std::uint32_t low = a.source < b.source ? one : other, high = low == one ? other : one;
   (void)depth(low);
   const PlaceDepth &of_high = depth(high), &of_low = depth(low);
-  if (steady) {
-    const double sign = low == one ? 1.0 : -1.0, first = of_low.at(begin) - of_high.at(begin),
-                 last = of_low.at(end) - of_high.at(end);
-    if (std::abs(first) > equal && std::abs(last) > equal && (first > 0.0) != (last > 0.0)) {
-      until = std::min(until, only_crossing(of_low, of_high, begin, first, end, last));
-      if (until > begin + least_step) return sign * first > 0.0 ? Side::behind : Side::before;
-      return sign * last > 0.0 ? Side::behind : Side::before;
-    }
-    return sign * (first + last) > 0.0 ? Side::behind : Side::before;
-  }
   crossings_.clear();
   PlaceDepth::add_crossings(of_low, of_high, begin, end, crossings_);
   double passes = end;
+  times_passed_ = 0;
   for (const double time : crossings_)
-    if (time > begin + least_step) passes = std::min(passes, time);
+    if (time > begin + least_step) passes = std::min(passes, time), ++times_passed_;
   until = std::min(until, passes);
-  const double middle = 0.5 * begin + 0.5 * passes, z_low = of_low.at(middle), z_high = of_high.at(middle);
-  return (z_low <= z_high) == (low == one) ? Side::before : Side::behind;
+  const auto at = [&](double time) {
+    return (of_low.at(time) <= of_high.at(time)) == (low == one) ? Side::before : Side::behind;
+  };
+  // Looked at, as rounding may have a crossing of what begins at one depth.
+  if (times_passed_ == 1) then_ = at(0.5 * passes + 0.5 * end);
+  return at(0.5 * begin + 0.5 * passes);
 }
 
 /// Puts it among those that are there, and what comes of it after it has passed through one of them last into
@@ -226,13 +182,19 @@ void PlacePeel::insert(std::uint32_t layer) {
   double until = end;
   std::size_t kept = 0, before = 0;
   bool found = false;
+  std::uint32_t passed = none;
+  Side passed_to = Side::before;
   for (const std::uint32_t other : active_) {
     if (layers_[other].end <= begin) continue;
     active_[kept] = other;
     double passes = end;
     const Side at = side(layer, other, passes);
     // Where the other ends is no crossing.
-    if (passes < std::min(end, layers_[other].end)) until = std::min(until, passes);
+    if (passes < std::min(until, layers_[other].end)) {
+      until = passes;
+      passed = times_passed_ == 1 ? other : none;
+      passed_to = then_;
+    }
     if (at == Side::before && !found) found = true, before = kept;
     ++kept;
   }
@@ -241,6 +203,8 @@ void PlacePeel::insert(std::uint32_t layer) {
   if (until < end) {
     Layer rest = layers_[layer];
     rest.begin = until;
+    rest.passed = passed;
+    rest.passed_to = passed_to;
     layers_[layer].end = until;
     cut_off_.push_back(static_cast<std::uint32_t>(layers_.size()));
     layers_.push_back(rest);
@@ -265,12 +229,16 @@ void PlacePeel::insert(std::uint32_t layer) {
 /// ∫ z ds over these shares of light.
 double PlacePeel::depth_over(std::uint32_t layer, double first, double last) {
   const Layer& of = layers_[layer];
-  if (!light_->even() || !(of.off <= nearly_parabola * of.z_begin)) {
+  if (!light_->even() || !(of.bow <= 4.0 * nearly_straight * of.z_middle)) {
     const PlaceDepth& exact = depth(layer);
     return smooth_integral(*light_, first, last, [&](double time) { return exact.at(time); });
   }
-  const double span = (last - first) * of.per_time, middle = 0.5 * first + 0.5 * last;
-  return (last - first) * (of.at(middle) + of.bend * (span * span) * (1.0 / 12.0));
+  const double span = (last - first) * of.per_time,
+               middle = (0.5 * first + 0.5 * last - of.since) * of.per_time;
+  const double slope = 4.0 * of.z_middle - 3.0 * of.z_begin - of.z_end,
+               bend = 2.0 * (of.z_begin + of.z_end) - 4.0 * of.z_middle;
+  return (last - first) *
+         (of.z_begin + middle * (slope + middle * bend) + bend * (span * span) * (1.0 / 12.0));
 }
 
 /// Adds what is seen of the layer, and leaves in spans_ the light that it leaves. False: none.

@@ -34,29 +34,30 @@ class PlacePeel {
 
  private:
   static constexpr std::uint32_t none = ~0u;
+  enum class Side { before, behind };
   struct Layer {
     double begin, end;
     float nearest, farthest;
-    /// When it began before any was cut off, and 1 over how long it was there.
-    double since, per_time;
-    /// The depth u of the way, z_begin + u (slope + u bend), or off that by so much; and its slope by so
-    /// much.
-    double z_begin, slope, bend, off, slope_off;
-    double until;  ///< when it ended before any was cut off
     std::uint32_t source;
-    std::uint32_t depth = none;                  ///< of depths_, once it is needed
+    std::uint32_t depth;                         ///< of depths_, once it is needed
     std::uint32_t previous = none, next = none;  ///< in front of it, and behind
+    /// Before any was cut off, and 1 over how long that is.
+    double since, until, per_time;
+    /// The depth as that begins, half-way and as it ends; u of the way it is off the straight line between
+    /// the ends by u (1 − u) `bow` at most.
+    double z_begin, z_middle, z_end, bow;
+    /// Which it has passed through just where it begins, to that side of it, and does so no more.
+    std::uint32_t passed = none;
+    Side passed_to = Side::before;
 
-    [[nodiscard]] double at(double time) const {
-      const double u = (time - since) * per_time;
-      return z_begin + u * (slope + u * bend);
+    [[nodiscard]] double line(double time) const {
+      return z_begin + (time - since) * per_time * (z_end - z_begin);
     }
   };
   /// Of a share of light, from where the one before ends.
   struct Span {
     double end, left;
   };
-  enum class Side { before, behind };
 
   [[nodiscard]] std::uint32_t layer_of(const PlaceInterval& interval);
   void insert(std::uint32_t layer);
@@ -77,6 +78,8 @@ class PlacePeel {
   std::vector<std::uint32_t> cut_off_;  ///< to be inserted, a heap, the soonest first
   std::uint32_t first_ = none, last_ = none;
   std::vector<double> crossings_;
+  int times_passed_ = 0;      ///< as side() has last found
+  Side then_ = Side::before;  ///< after the only time
   std::vector<Span> spans_, next_spans_;
 };
 
