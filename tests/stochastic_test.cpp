@@ -97,6 +97,7 @@ std::vector<StochasticOptions> all_traversals(int samples, int times) {
     for (const int px : {1, 4})
       all.push_back({.samples = samples, .times = times, .traversal = Traversal::hierarchy, .tile_px = px});
   if (times > 0) all.push_back({.samples = samples, .times = times, .traversal = Traversal::interleave});
+  all.push_back({.samples = samples, .times = times});
   return all;
 }
 
@@ -434,6 +435,58 @@ TEST(Stochastic, ADiscThatFadesIsTheShuttersMean) {
 }
 
 /// In each of a power of two of strata of every dimension there is one sample of a pixel.
+/// Triangles of a pixel or two, which go some way or none.
+Scene small_triangles(double velocity) {
+  Scene scene = test::stage();
+  Object& object = scene.objects.emplace_back();
+  object.cloud.keys.resize(1);
+  SurfelPose& pose = object.cloud.keys[0].pose;
+  for (std::uint32_t t = 0; t < 200; ++t) {
+    const double x = 0.1 * (t % 20) - 1.0, y = 0.1 * (t / 20) - 0.5, a = 0.7 * t;
+    for (const double corner : {0.0, 2.0, 4.0}) {
+      pose.position.push_back({x + 0.06 * std::cos(corner), y + 0.06 * std::sin(corner), 0.0});
+      pose.axis_u.emplace_back(0.01f, 0.0f, 0.0f);
+      pose.axis_v.emplace_back(0.0f, 0.01f, 0.0f);
+      object.cloud.velocity.emplace_back(static_cast<float>(velocity * std::cos(a)),
+                                         static_cast<float>(velocity * std::sin(a)), 0.0f);
+    }
+    object.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  object.two_sided = true;
+  return scene;
+}
+
+TEST(Stochastic, ChoosesItsTraversalByAForecast) {
+  for (const double velocity : {0.0, 0.6}) {
+    const Scene scene = small_triangles(velocity);
+    const Rendered chosen = rendered(scene, {.samples = 64}), again = rendered(scene, {.samples = 64}, 1);
+    const double tile = *chosen.statistics.counter("forecast_tile_us"),
+                 interval = *chosen.statistics.counter("forecast_interval_us");
+    EXPECT_GT(tile, 0.0);
+    EXPECT_EQ(interval<tile, velocity> 0.0) << tile << " " << interval;
+    EXPECT_EQ(chosen.statistics.effects.back(), velocity > 0.0
+                                                    ? "traversal: 16 parts of the exposure, by a forecast"
+                                                    : "traversal: 4 px tiles, by a forecast");
+    EXPECT_EQ(tile, *again.statistics.counter("forecast_tile_us"));
+    // What is asked for is not forecast.
+    const Rendered asked = rendered(scene, {.samples = 64, .traversal = Traversal::tile});
+    EXPECT_FALSE(asked.statistics.counter("forecast_tile_us").has_value());
+    EXPECT_EQ(asked.statistics.effects.back(), "traversal: 4 px tiles");
+    EXPECT_EQ(asked.image.rgba, chosen.image.rgba);
+    if (velocity > 0.0) continue;
+    EXPECT_EQ(asked.statistics.counter("samples_tested"), chosen.statistics.counter("samples_tested"));
+  }
+}
+
+TEST(Stochastic, ForecastsOfNothingAreNothing) {
+  Scene scene = small_triangles(0.0);
+  scene.objects[0].transform.keys.resize(1);
+  scene.objects[0].transform.keys[0].translate = {0.0, 100.0, 0.0};
+  const Rendered none = rendered(scene, {.samples = 4});
+  EXPECT_EQ(*none.statistics.counter("forecast_tile_us"), 0.0);
+  EXPECT_EQ(*none.statistics.counter("samples_inside"), 0.0);
+}
+
 TEST(Stochastic, SpreadsSamplesInEveryDimension) {
   Scene scene = test::stage();
   add_lens(scene);

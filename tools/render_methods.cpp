@@ -117,17 +117,18 @@ Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const
 Result<PreparedMethod> prepare_stochastic(const MethodArguments& arguments, const RenderControl& control) {
   StochasticOptions options;
   options.samples = arguments.whole("--samples", options.samples);
-  const std::string traversal = arguments.text("--traversal", "tile-4");
+  const std::string traversal = arguments.text("--traversal", "auto");
   const std::size_t dash = traversal.find('-');
   const int number = dash == std::string::npos ? 0 : std::stoi(traversal.substr(dash + 1));
   if (traversal.starts_with("tile")) {
+    options.traversal = Traversal::tile;
     options.tile_px = number;
   } else if (traversal.starts_with("interval")) {
     options.traversal = Traversal::interval;
     options.intervals = number;
   } else if (traversal == "hierarchy") {
     options.traversal = Traversal::hierarchy;
-  } else {
+  } else if (traversal == "interleave") {
     options.traversal = Traversal::interleave;
   }
   const bool hulls = arguments.text("--tile-bounds", "slefes") == "hulls";
@@ -284,8 +285,9 @@ const std::vector<MethodOption>& method_options() {
        .help =
            "How samples are found that moving things may cover: by tiles of so many pixels, by parts of the "
            "exposure, by a hierarchy of moving boxes, or at 256 instants that samples share, which alone is "
-           "another image [tile-4]",
-       .words = {"tile-1", "tile-2", "tile-4", "tile-8", "interval-4", "interval-16", "interval-64",
+           "another image; auto is tile-4 or interval-16, "
+           "whichever a forecast has as the faster [auto]",
+       .words = {"auto", "tile-1", "tile-2", "tile-4", "tile-8", "interval-4", "interval-16", "interval-64",
                  "hierarchy", "interleave"}},
       {.name = "--tile-bounds",
        .kind = Kind::word,

@@ -71,10 +71,15 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum, DepthSu
     std::size_t last = first + 1;
     while (last < of.intervals.size() && of.intervals[last].place == of.intervals[first].place) ++last;
     const Eigen::Vector3d& ray = of.rays[of.intervals[first].place % pixel_places];
-    view_.clear();
-    places_.cut(of.intervals.subspan(first, last - first), of.triangles, ray, view_);
+    const std::span<PlaceInterval> intervals = of.intervals.subspan(first, last - first);
     LightSum of_place;
-    add_place(of, ray, of_place, by_depth);
+    if (by_depth == nullptr && PlacePeel::is_for(intervals, of.triangles)) {
+      peel_.add(intervals, of.triangles, ray, of.light, places_.stop, places_.counters, of_place);
+    } else {
+      view_.clear();
+      places_.cut(intervals, of.triangles, ray, view_);
+      add_place(of, ray, of_place, by_depth);
+    }
     sum.add(of_place, 1.0 / pixel_places);
     first = last;
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "abuffer/resolve/mesh_pixel.h"
+#include "abuffer/resolve/place_peel.h"
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
 
@@ -73,6 +74,7 @@ class ExactPixel {
   PixelSweep sweep_;
   PlaceSweep places_;
   PlaceView view_;
+  PlacePeel peel_;
   MeshPixel meshes_;
   std::vector<Ticks> breaks_;
   std::vector<double> cuts_;

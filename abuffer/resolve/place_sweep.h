@@ -24,6 +24,8 @@ class LightOverTime {
     from_ = (row.open - all.open) / (all.close - all.open);
     to_ = (row.close - all.open) / (all.close - all.open);
   }
+  /// Time and share are the same.
+  [[nodiscard]] bool even() const { return even_; }
   /// When the row is exposed.
   [[nodiscard]] double from() const { return from_; }
   [[nodiscard]] double to() const { return to_; }

@@ -133,9 +133,23 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     least_alpha = std::min({least_alpha, rgba[i][3], rgba[i][3] + more[i][3]});
   if (texture != nullptr && !of.opaque_texture(t)) least_alpha = 0.0f;
   for (std::size_t i = 0; i < 3; ++i) edge_[i] = EdgeFunction(path[(i + 1) % 3], path[(i + 2) % 3], degree_);
+  degree_ == 1 ? set_depth<1>() : degree_ == 2 ? set_depth<2>() : set_depth<3>();
   // Counter-clockwise from the front: all edge functions are below 0 there.
   shows_above_ = object.two_sided || of.mirrored(stretch);
   shows_below_ = object.two_sided || !of.mirrored(stretch);
+}
+
+/// What the rays (1, 0, 0), (0, 1, 0) and (0, 0, 1) find, of which any other is a sum.
+template <int n>
+void TriangleStretch::set_depth() {
+  for (int axis = 0; axis < 3; ++axis) {
+    FixedBernstein<2 * n> e[3];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k <= 2 * n; ++k) e[i].c[k] = edge_[i].normal(static_cast<std::size_t>(k))[axis];
+    const DepthOf<n> of_axis(e, z_);
+    for (int k = 0; k <= 3 * n; ++k) above_[k][axis] = of_axis.above.c[k];
+    for (int k = 0; k <= 2 * n; ++k) below_[k][axis] = of_axis.below.c[k];
+  }
 }
 
 template <int n>
@@ -212,7 +226,8 @@ void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to
         low = std::min(low, z), high = std::max(high, z);
     low = std::max(low - 1e-12 * std::abs(low), nearest_);
     high = std::min(high + 1e-12 * std::abs(high), farthest_);
-    if (high - low > flat_enough * low) {
+    // Layers that are peeled off find closer bounds by themselves.
+    if (high - low > flat_enough * low && (opaque || !plain)) {
       const DepthOf<n> depth(e, z_);
       const FixedBernstein<2 * n> divisors = depth.below.part(first, last);
       if (divisors.side() != 0) {
@@ -328,23 +343,6 @@ void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, s
 
 TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double time) const {
   return degree_ == 1 ? look_of<1>(ray, time) : degree_ == 2 ? look_of<2>(ray, time) : look_of<3>(ray, time);
-}
-
-int TriangleStretch::depth(const Eigen::Vector3d& ray, double* above, double* below) const {
-  const auto of = [&]<int n>() {
-    const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
-                                        edge_at<n>(edge_[2], ray)};
-    const DepthOf<n> whole(e, z_);
-    std::copy_n(whole.above.c, 3 * n + 1, above);
-    std::copy_n(whole.below.c, 2 * n + 1, below);
-  };
-  if (degree_ == 1)
-    of.template operator()<1>();
-  else if (degree_ == 2)
-    of.template operator()<2>();
-  else
-    of.template operator()<3>();
-  return degree_;
 }
 
 }  // namespace swept

@@ -54,7 +54,12 @@ class TriangleStretch {
 
   /// The depth over the stretch as a quotient, `above` of 3n + 1 coefficients in Bernstein form and `below`
   /// of 2n + 1; returns n, the degree of the paths.
-  int depth(const Eigen::Vector3d& ray, double* above, double* below) const;
+  int depth(const Eigen::Vector3d& ray, double* above, double* below) const {
+    const auto at = [&](const Eigen::Vector3d& of) { return of.x() * ray.x() + (of.y() * ray.y() + of.z()); };
+    for (int k = 0; k <= 3 * degree_; ++k) above[k] = at(above_[k]);
+    for (int k = 0; k <= 2 * degree_; ++k) below[k] = at(below_[k]);
+    return degree_;
+  }
   [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
 
   struct Look {
@@ -80,9 +85,14 @@ class TriangleStretch {
   template <int n>
   [[nodiscard]] Look look_of(const Eigen::Vector3d& ray, double time) const;
 
+  template <int n>
+  void set_depth();
+
   int degree_;
   double near_;
   EdgeFunction edge_[3];
+  /// Σe·z and Σe of a ray are these times it: the depth at any ray without its edge functions.
+  Eigen::Vector3d above_[3 * most_path_degree + 1], below_[2 * most_path_degree + 1];
   Bernstein z_[3];
   double nearest_, farthest_;
   bool cut_;                        ///< the near plane may cut it

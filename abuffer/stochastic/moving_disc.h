@@ -24,6 +24,8 @@ class MovingDisc {
 
   // What traverse() asks of a primitive; times are shares of the light, as a segment's.
   [[nodiscard]] static const float* times(const BlockSamples& samples) { return samples.share.data(); }
+  static constexpr bool by_share = true;
+  [[nodiscard]] static constexpr bool straight() { return true; }
   [[nodiscard]] int pieces() const { return 1; }
   [[nodiscard]] Span piece(int) const { return {0.0, 1.0}; }
   [[nodiscard]] int piece_of(float) const { return 0; }

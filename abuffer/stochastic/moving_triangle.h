@@ -36,6 +36,8 @@ class MovingTriangle {
 
   // What traverse() asks of a primitive. Times are 0 where the shutter opens and 1 where it closes.
   [[nodiscard]] static const float* times(const BlockSamples& samples) { return samples.time.data(); }
+  static constexpr bool by_share = false;  ///< times are of the shutter, not shares of the light
+  [[nodiscard]] bool straight() const { return degree_ == 1; }
   [[nodiscard]] int pieces() const { return paths_.pieces(); }
   [[nodiscard]] Span piece(int p) const { return {paths_.cut(p), paths_.cut(p + 1)}; }
   [[nodiscard]] int piece_of(float time) const { return paths_.piece_of(double{time}); }

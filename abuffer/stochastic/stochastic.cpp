@@ -12,6 +12,7 @@
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
+#include "abuffer/stochastic/choose_traversal.h"
 #include "abuffer/stochastic/primitives.h"
 #include "abuffer/stochastic/traverse.h"
 #include "splat/motion/segments.h"
@@ -117,6 +118,22 @@ Status check_bytes(std::size_t bytes, const RenderControl& control) {
                ErrorKind::out_of_memory};
 }
 
+std::string name_of(const StochasticOptions& options) {
+  switch (options.traversal) {
+    case Traversal::tile:
+      return std::to_string(options.tile_px).append(" px tiles");
+    case Traversal::interval:
+      return std::to_string(options.intervals).append(" parts of the exposure");
+    case Traversal::interleave:
+      return "shared instants";
+    case Traversal::hierarchy:
+      return "hierarchy";
+    case Traversal::automatic:
+      break;
+  }
+  return "none";
+}
+
 Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& given,
                                 const RenderControl& control) {
   Stopwatch watch;
@@ -141,11 +158,19 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   Statistics& statistics = out.statistics;
   statistics.time("paths", watch.lap());
   out.image = blank_image(scene.film);
+  const PixelRange window{out.image.x, out.image.y, out.image.x + out.image.width,
+                          out.image.y + out.image.height};
+  if (options.traversal == Traversal::automatic) {
+    const TraversalForecast forecast = forecast_traversals(primitives, window, options, source);
+    options.traversal = forecast.by_intervals() ? Traversal::interval : Traversal::tile;
+    statistics.count("forecast_tile_us", forecast.tile);
+    statistics.count("forecast_interval_us", forecast.interval);
+    statistics.time("forecast", watch.lap());
+  }
   const bool by_hierarchy = options.traversal == Traversal::hierarchy;
   std::optional<hierarchy::HierarchyTraversal> trees;
   if (by_hierarchy) trees.emplace(primitives);
-  const Bins bins(by_hierarchy ? nullptr : &primitives,
-                  {out.image.x, out.image.y, out.image.x + out.image.width, out.image.y + out.image.height});
+  const Bins bins(by_hierarchy ? nullptr : &primitives, window);
   statistics.time(by_hierarchy ? "hierarchy" : "bins", watch.lap());
 
   PerThread<Block> blocks;
@@ -182,6 +207,9 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   statistics.effect("motion blur" + std::string(lens ? " and depth of field: " : ": ") +
                     std::to_string(options.samples) + " samples a pixel" +
                     (options.times > 0 ? ", at " + std::to_string(options.times) + " instants in all" : ""));
+  statistics.effect(name_of(options)
+                        .insert(0, "traversal: ")
+                        .append(given.traversal == Traversal::automatic ? ", by a forecast" : ""));
   return out;
 }
 

@@ -12,6 +12,7 @@ namespace SWEPT_API swept {
 
 /// How the samples are found that a moving primitive may cover (Gribel et al. 2013, section 4).
 enum class Traversal {
+  automatic,   ///< `tile` or `interval`, whichever a forecast from some of the primitives has as the faster
   tile,        ///< per tile of the film, the time in which the primitive may overlap it
   interval,    ///< per part of the exposure, the box of the film in which the primitive stays
   interleave,  ///< samples share a fixed number of times, and each of these is rasterised by itself
@@ -32,7 +33,7 @@ struct StochasticOptions {
   /// Instants that all samples share, evenly spaced in shutter time; [0, 65536]. 0: every sample has an
   /// instant of its own, but where the traversal is `interleave`, which takes 256 then.
   int times = 0;
-  Traversal traversal = Traversal::tile;
+  Traversal traversal = Traversal::automatic;
   int tile_px = 4;     ///< side of a tile; 1, 2, 4, 8 or 16
   int intervals = 16;  ///< parts of the exposure; [1, 1024]
   CurveBounds bounds = CurveBounds::slefes;
@@ -55,7 +56,8 @@ struct StochasticOptions {
 ///
 /// Statistics: "samples" per pixel, "samples_tested", "samples_inside", their ratio
 /// "sample_test_efficiency", "bounds_tested" (tiles or boxes), "primitives" that may be seen,
-/// "primitive_bytes".
+/// "primitive_bytes"; "forecast_tile_us" and "forecast_interval_us" a primitive, where the traversal was
+/// chosen by them. Which one it is, is among the effects.
 ///
 /// Textures and looks that change are those of the place and the instant at which a sample meets a triangle,
 /// and looks of discs those of the instant.

@@ -151,6 +151,7 @@ void traverse(Primitive& primitive, const StochasticOptions& options, const Samp
           block);
     case Traversal::interleave:
       return traverse_interleaved(primitive, source, block);
+    case Traversal::automatic:  // chosen before
     case Traversal::hierarchy:
       return;  // not primitive by primitive
   }

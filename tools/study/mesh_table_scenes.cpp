@@ -74,6 +74,7 @@ void make_flat(Object& object) {
   pick(cloud.angular_velocity, from);
   pick(cloud.velocity, from);
   pick(cloud.acceleration, from);
+  cloud.looks.clear();
   pick(cloud.color, from);
   pick(cloud.opacity, from);
   for (std::size_t i = 0; i + 2 < cloud.color.size(); i += 3) {

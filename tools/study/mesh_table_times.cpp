@@ -135,36 +135,48 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
   constexpr int samples = 16;
   StudyTable table{
       "hierarchy",
-      "The hierarchy of moving boxes beside bins",
+      "Tiles, intervals, what is chosen of them, and the hierarchy of moving boxes",
       fmt::format("The stochastic method, {} samples a pixel, {} px, CPU seconds of one thread with "
                   "what building takes; triangles of some two pixels, each going its own way. "
-                  "Left out: more than 10⁷ triangles times px.",
+                  "The hierarchy is left out where there are more than 10⁶ triangles times px.",
                   samples, options.side_px),
-      {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "hierarchy, s",
-       "hierarchy to the better one"},
+      {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "auto, s", "auto to the better one",
+       "chosen", "hierarchy, s", "hierarchy to the better one"},
       {}};
   for (const int count : {10'000, 100'000, 1'000'000})
     for (const double px : {0.0, 10.0, 30.0, 100.0, 300.0}) {
-      if (px * count > (options.quick ? 1e5 : 1e7) || (options.quick && count > 10'000)) continue;
+      if (options.quick && (px * count > 1e5 || count > 10'000)) continue;
       const Scene scene = loose_triangles(options.side_px, count, px);
-      StochasticOptions tile{.samples = samples}, interval = tile, boxes = tile;
-      interval.traversal = Traversal::interval;
-      boxes.traversal = Traversal::hierarchy;
-      const Result<Timed> by_tile = timed(render_stochastic, scene, tile),
-                          by_interval = timed(render_stochastic, scene, interval),
-                          by_boxes = timed(render_stochastic, scene, boxes);
-      if (!by_tile || !by_interval || !by_boxes) {
-        const Error& error = !by_tile       ? by_tile.error()
-                             : !by_interval ? by_interval.error()
-                                            : by_boxes.error();
-        table.rows.push_back({count, error.message()});
+      std::string failed;
+      double chosen_ratio = 0.0;
+      const auto seconds = [&](Traversal traversal) -> Json {
+        const Result<Timed> made =
+            timed(render_stochastic, scene, StochasticOptions{.samples = samples, .traversal = traversal});
+        if (!made) {
+          failed = made.error().message();
+          return nullptr;
+        }
+        const Statistics& statistics = made->rendered.statistics;
+        if (traversal == Traversal::automatic)
+          chosen_ratio = statistics.counter("forecast_tile_us").value_or(0.0) -
+                         statistics.counter("forecast_interval_us").value_or(0.0);
+        return made->seconds;
+      };
+      const Json tile = seconds(Traversal::tile), interval = seconds(Traversal::interval),
+                 chosen = seconds(Traversal::automatic);
+      const bool boxes_too = hierarchy_available() && px * count <= 1e6;
+      const Json boxes = boxes_too ? seconds(Traversal::hierarchy) : Json(nullptr);
+      if (!failed.empty()) {
+        table.rows.push_back({count, failed});
         table.rows.back().resize(table.columns.size());
         ++table.failed;
         done(table);
         continue;
       }
-      table.rows.push_back({count, px, by_tile->seconds, by_interval->seconds, by_boxes->seconds,
-                            by_boxes->seconds / std::min(by_tile->seconds, by_interval->seconds)});
+      const double better = std::min(tile.get<double>(), interval.get<double>());
+      table.rows.push_back({count, px, tile, interval, chosen, chosen.get<double>() / better,
+                            chosen_ratio > 0.0 ? "INTERVAL" : "TILE", boxes,
+                            boxes_too ? Json(boxes.get<double>() / better) : Json(nullptr)});
       done(table);
     }
   return table;

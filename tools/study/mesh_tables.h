@@ -35,7 +35,8 @@ using RowDone = std::function<void(const StudyTable&)>;
 
 /// Cloth ball and horse where they are, a ball that turns and a fan, each triangle in one colour.
 [[nodiscard]] std::vector<TraversalScene> visibility_scenes(int side_px, const std::string& folder);
-/// Every triangle with corners of its own, which have the mean of the colours that they had.
+/// Every triangle with corners of its own, which have the mean of the colours that they had, at all times:
+/// looks are dropped for the cloud's own.
 void make_flat(Object& object);
 
 /// Visibility accuracy and PSNR of the exact method on meshes, with all intervals and with the K per place

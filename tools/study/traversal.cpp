@@ -52,10 +52,13 @@ std::size_t count_of(const std::vector<TraversalRow>& rows, const Holds& holds) 
 std::vector<TraversalSetting> traversal_settings(int samples) {
   std::vector<TraversalSetting> settings;
   for (const int px : {4, 2, 1})
-    settings.push_back(
-        {fmt::format("tile-{}", px), fmt::format("TILE {}×{}", px, px), {.samples = samples, .tile_px = px}});
+    settings.push_back({fmt::format("tile-{}", px),
+                        fmt::format("TILE {}×{}", px, px),
+                        {.samples = samples, .traversal = Traversal::tile, .tile_px = px}});
   settings.push_back(
-      {"tile-1-hulls", "TILE 1×1, hulls", {.samples = samples, .tile_px = 1, .bounds = CurveBounds::hulls}});
+      {"tile-1-hulls",
+       "TILE 1×1, hulls",
+       {.samples = samples, .traversal = Traversal::tile, .tile_px = 1, .bounds = CurveBounds::hulls}});
   for (const int parts : {4, 16, 64})
     settings.push_back({fmt::format("interval-{}", parts),
                         fmt::format("INTERVAL {}", parts),
