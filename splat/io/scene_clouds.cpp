@@ -173,8 +173,8 @@ Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scen
   if (!loaded) return loaded.error();
   if (source.sideless) loaded->cloud.oriented.clear();
   if (!loaded->materials.names.empty() && !loaded->triangles.empty())
-    if (Status taken =
-            io::take_materials(source, *loaded, object.materials, object.material_of, object.texture_corners);
+    if (Status taken = io::take_materials(source, *loaded, clouds_->materials[i], object.materials,
+                                          object.material_of, object.texture_corners);
         !taken)
       return taken.error();
   object.cloud = std::move(loaded->cloud);
