@@ -124,7 +124,9 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   const SampleSource source(scene, exposure, options.samples, options.times);
   const FilmView view{projection_of(scene.film, scene.camera.at(exposure.middle())), scene.camera.near,
                       source.reach()};
-  const Primitives primitives(scene, exposure, view);
+  const Result<Primitives> found = Primitives::of(scene, exposure, view, control.stop);
+  if (!found) return found.error();
+  const Primitives& primitives = *found;
   Rendered out;
   Statistics& statistics = out.statistics;
   statistics.time("paths", watch.lap());
