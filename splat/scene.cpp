@@ -190,13 +190,4 @@ Status refuse_triangles(const Scene& scene, std::string_view renderer) {
   return Done{};
 }
 
-Status refuse_textures(const Scene& scene, std::string_view renderer) {
-  for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    if (has_texture(scene.objects[i]))
-      return Error{"", "/objects/" + std::to_string(i) + "/texture",
-                   "is not drawn by " + std::string(renderer) + "; --method sampled does",
-                   ErrorKind::unsupported};
-  return Done{};
-}
-
 }  // namespace swept

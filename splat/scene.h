@@ -176,7 +176,5 @@ struct Scene {
 [[nodiscard]] Status refuse_splats(const Scene& scene, std::string_view renderer);
 /// The same of triangles.
 [[nodiscard]] Status refuse_triangles(const Scene& scene, std::string_view renderer);
-/// The same of textures.
-[[nodiscard]] Status refuse_textures(const Scene& scene, std::string_view renderer);
 
 }  // namespace swept

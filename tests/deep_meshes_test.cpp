@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "splat/deep_image.h"
+#include "tests/deep_flattened.h"
 #include "tests/mesh_scenes.h"
 #include "tests/small_scenes.h"
 
@@ -14,17 +15,12 @@ namespace swept {
 namespace {
 
 Rendered deep(const Scene& scene, int threads = 0) {
-  AbufferOptions options;
-  options.deep = true;
-  Rendered rendered = test::exact(scene, options, threads);
-  EXPECT_TRUE(rendered.deep.has_value());
-  const Status valid = rendered.deep->validate();
-  EXPECT_TRUE(valid.ok()) << valid.error().message();
-  return rendered;
+  RenderControl control;
+  control.threads = threads;
+  return test::render_deep(scene, {}, control);
 }
 
-/// Floats, of sums in another order: as for discs.
-constexpr double rounding = 1e-5;
+constexpr double rounding = test::deep_rounding;
 
 /// The most by which R, G, B or A, front over back, is off from the picture.
 double flattened_error(const Scene& scene, bool moves = true) {
@@ -34,18 +30,7 @@ double flattened_error(const Scene& scene, bool moves = true) {
   const Image alone = test::exact(scene).image;
   if (moves) EXPECT_EQ(picture.rgba, alone.rgba);
   for (std::size_t i = 0; i < picture.rgba.size(); ++i) EXPECT_NEAR(picture.rgba[i], alone.rgba[i], 2e-4f);
-  const DeepImage& samples = *taken_apart.deep;
-  double worst = 0.0;
-  for (std::size_t pixel = 0; pixel < samples.pixel_count(); ++pixel) {
-    double flat[4] = {0.0, 0.0, 0.0, 0.0};
-    for (std::size_t i = samples.first[pixel]; i < samples.first[pixel + 1]; ++i) {
-      const double left = 1.0 - flat[3];
-      for (std::size_t c = 0; c < 4; ++c) flat[c] += left * double{samples.rgba[4 * i + c]};
-    }
-    for (std::size_t c = 0; c < 4; ++c)
-      worst = std::max(worst, std::abs(flat[c] - double{picture.rgba[4 * pixel + c]}));
-  }
-  return worst;
+  return test::flattened_error(*taken_apart.deep, picture);
 }
 
 /// Alpha of all that begins nearer than `depth`.

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "abuffer/sources/moving_mesh.h"
 #include "abuffer/stochastic/mesh_paths.h"
 #include "abuffer/stochastic/moving_triangle.h"
 #include "splat/motion/instant.h"
@@ -137,7 +138,9 @@ TEST(Enclosure, TilesAndBoxesLeaveInWhatIsMet) {
     const SampleSource source(scene, scene.exposure(), 48, 0);
     const FilmView view{projection_of(scene.film, scene.camera.at(scene.exposure().middle())),
                         scene.camera.near, source.reach()};
-    const MeshPaths paths(scene, scene.objects[0], scene.exposure());
+    const auto followed = MeshPaths::follow(scene, scene.objects[0], scene.exposure(), {});
+    ASSERT_TRUE(followed.ok());
+    const MeshPaths& paths = *followed;
     const PixelRange film{0, 0, scene.film.width, scene.film.height};
     BlockSamples samples;
     source.fill({0, 0, scene.film.width, scene.film.height}, samples);
@@ -190,7 +193,9 @@ TEST(Enclosure, CurvesFollowThePath) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const Scene scene = random_scene(seed);
     const Object& object = scene.objects[0];
-    const MeshPaths paths(scene, object, scene.exposure());
+    const auto followed = MeshPaths::follow(scene, object, scene.exposure(), {});
+    ASSERT_TRUE(followed.ok());
+    const MeshPaths& paths = *followed;
     const double focal_px = projection_of(scene.film, scene.camera.at(0.5)).focal_px;
     for (int i = 0; i <= 1000; ++i) {
       const double time = i / 1000.0;
@@ -207,6 +212,75 @@ TEST(Enclosure, CurvesFollowThePath) {
       }
     }
   }
+}
+
+/// What a curve may be off by bounds what it is off by, and without the share of depth it would not.
+TEST(MovingMeshes, OffThePathIsNoMoreThanItsBoundOnTheFilm) {
+  test::Random random(5);
+  const Projection film{700.0, 0.0, 0.0};
+  std::size_t naive_fails = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double z = std::pow(10.0, random(-1.0, 1.0));
+    const Eigen::Vector3d truth(z * random(-3.0, 3.0), z * random(-3.0, 3.0), z);
+    const Eigen::Vector3d curve = truth + z * std::pow(10.0, random(-6.0, -0.7)) * random.vector(-1.0, 1.0);
+    const double off = 700.0 * (curve.head<2>() / curve.z() - truth.head<2>() / truth.z()).norm();
+    ASSERT_LE(off, off_path_px(curve, truth, film, 0.01, 1e9) * (1.0 + 1e-6) + 1e-9) << i;
+    naive_fails += off > 1.01 * 700.0 * (curve - truth).norm() / truth.z() ? 1 : 0;
+  }
+  EXPECT_GT(naive_fails, 10000u);
+  const Projection parallel{700.0, 0.0, 0.0, true};
+  EXPECT_DOUBLE_EQ(off_path_px({1, 2, 3.5}, {1, 2, 3}, parallel, 0.01, 1.0), 350.0);
+}
+
+/// Not in two places alone, but at every instant: the curves of the A-buffer on its film, and those of
+/// samples beside it too.
+TEST(MovingMeshes, StayOnTheirPathsAtEveryInstant) {
+  std::size_t on_film = 0, stretches = 0;
+  double worst = 0.0, worst_beside = 0.0;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    Scene scene = random_scene(seed);
+    // Turned by up to two rounds, and the camera too.
+    test::move(scene.objects[0], {0, 0, 0}, {0.3, -0.2, 0.1}, 0.5 * seed);
+    const Object& object = scene.objects[0];
+    const Exposure even{scene.exposure().open, scene.exposure().close};
+    const auto mesh = MovingMesh::follow(scene, object, even, path_tolerance_px, {});
+    const auto paths = MeshPaths::follow(scene, object, even, {});
+    ASSERT_TRUE(mesh.ok() && paths.ok());
+    stretches += mesh->stretches();
+    const Projection film = projection_of(scene.film, scene.camera.at(even.middle()));
+    const double right = largest_tangent(scene.film, film, 0), top = largest_tangent(scene.film, film, 1);
+    std::size_t s = 0;
+    for (int i = 0; i <= 2000; ++i) {
+      const double time = i / 2000.0;
+      while (s + 1 < mesh->stretches() && time >= mesh->time(s + 1)) ++s;
+      const double t = (time - mesh->time(s)) / (mesh->time(s + 1) - mesh->time(s));
+      const Instant instant = instant_at(scene, object, even, time);
+      const int piece = paths->piece_of(time);
+      for (std::uint32_t point = 0; point < 9; ++point) {
+        const Eigen::Vector3d truth =
+            instant.to_camera(surfel_at(object.cloud, point, instant.frame).position);
+        if (truth.z() < 0.1) continue;
+        const Eigen::Vector2d seen = truth.head<2>() / truth.z();
+        const auto off = [&](const Eigen::Vector3d& at) {
+          return film.focal_px * (at.head<2>() / at.z() - seen).norm();
+        };
+        if (seen.norm() <= path_tangent)
+          worst_beside = std::max(worst_beside, off(paths->at(point, piece, paths->weights(piece, time))));
+        if (std::abs(seen.x()) > right || std::abs(seen.y()) > top) continue;
+        ++on_film;
+        Eigen::Vector3d control[most_path_degree + 1];
+        std::copy(mesh->path(s, point), mesh->path(s, point) + mesh->degree() + 1, control);
+        for (int level = mesh->degree(); level > 0; --level)
+          for (int k = 0; k < level; ++k) control[k] += t * (control[k + 1] - control[k]);
+        worst = std::max(worst, off(control[0]));
+      }
+    }
+  }
+  EXPECT_GT(on_film, 50000u);
+  EXPECT_LE(worst, path_tolerance_px);
+  EXPECT_LE(worst_beside, path_tolerance_px);
+  std::printf("%zu stretches, %zu points on the film: off by %.2g px, beside it %.2g px\n", stretches,
+              on_film, worst, worst_beside);
 }
 
 }  // namespace

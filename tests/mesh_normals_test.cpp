@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "splat/io/cloud_source.h"
+#include "splat/io/mesh_creases.h"
 #include "splat/io/scene_file.h"
 #include "tests/temporary_folder.h"
 
@@ -126,6 +127,30 @@ TEST_F(MeshNormalFiles, AreMadeAtEveryKeyAndColourPoints) {
   for (const std::string& line : loaded->report.lines()) notes += line + '\n';
   EXPECT_NE(notes.find("there are no normals: those of all triangles about a point"), std::string::npos)
       << notes;
+}
+
+TEST_F(MeshNormalFiles, ACreaseAngleTakesOpenMeshAndIsNeverLeftOutInSilence) {
+  CloudSource source;
+  source.files = {{1.0, write("c.obj", cube_text(1.0))}};
+  source.triangles = true;
+  source.crease_angle = 30.0;
+  const auto loaded = read_cloud(source, 1.0, 1.0);
+  if (io::creases_available()) {
+    ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+    EXPECT_EQ(loaded->cloud.size(), 24u);
+  } else {
+    ASSERT_FALSE(loaded.ok());
+    EXPECT_EQ(loaded.error().kind, ErrorKind::unsupported);
+    EXPECT_NE(loaded.error().message().find("c.obj: crease_angle: this build was made without OpenMesh"),
+              std::string::npos)
+        << loaded.error().message();
+  }
+  for (const double wrong : {-1.0, 180.5, std::nan("")}) {
+    source.crease_angle = wrong;
+    const auto refused = read_cloud(source, 1.0, 1.0);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().field, "crease_angle");
+  }
 }
 
 TEST_F(MeshNormalFiles, AreTheFilesWhereItHasThem) {

@@ -1,6 +1,7 @@
 // Materials of OBJ files: what MTL files say, what is drawn of it, and what is said where something is not.
 #include "splat/io/obj_materials.h"
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -164,6 +165,48 @@ TEST_F(MaterialFiles, EveryMethodDrawsThemAsTheReference) {
   white.objects[0].materials[2].texture.reset();
   white.objects[0].texture_corners.clear();
   EXPECT_LT(test::psnr_db(test::stills(white, 16), truth), 20.0);
+}
+
+TEST_F(MaterialFiles, AreReadAgainByASequenceWhereTheyChanged) {
+  put_all();
+  for (const char* n : {"1", "2", "3", "4", "5"}) put(std::string("quads.000") + n + ".obj", quads);
+  Result<SceneFile> file = read_scene_file(
+      write(std::string(camera) +
+            R"({"source": {"sequence": "quads.%04d.obj", "first": 1, "last": 5}, "draw": "triangles"}]})"));
+  ASSERT_TRUE(file.ok()) << file.error().message();
+  std::vector<std::shared_ptr<const Texture>> textures;  // held, so that no other takes the place of one
+  std::vector<float> reds;
+  std::vector<std::string> notes;
+  const auto look = [&](double frame) {
+    const auto scene = file->scene_at(frame, test::dots);
+    ASSERT_TRUE(scene.ok()) << scene.error().message();
+    ASSERT_EQ((*scene)->objects[0].materials.size(), 3u);
+    textures.push_back((*scene)->objects[0].materials[2].texture);
+    reds.push_back((*scene)->objects[0].materials[1].color.x());
+    notes.push_back("");
+    for (const std::string& note : file->notes()) notes.back() += note + '\n';
+  };
+  look(1.0);
+  file->load_ahead(2.0, test::dots);
+  look(2.0);
+  ASSERT_TRUE(textures[0]);
+  EXPECT_EQ(textures[1], textures[0]) << "nothing changed";
+  EXPECT_EQ(notes[1], notes[0]) << "and the same is said";
+  // The same texels in a file with another time: it is read, as nothing says that it need not be.
+  const std::filesystem::path picture(folder_ / "wood.exr");
+  std::filesystem::last_write_time(picture,
+                                   std::filesystem::last_write_time(picture) + std::chrono::hours(1));
+  look(3.0);
+  ASSERT_TRUE(textures[2]);
+  EXPECT_NE(textures[2], textures[1]);
+  EXPECT_EQ(textures[2]->texels, textures[1]->texels);
+  put("one.mtl", "newmtl red glass\nKd 0.25 0.5 0\nd 0.5\n");
+  look(4.0);
+  EXPECT_EQ(reds[3], 0.25f) << "of another size";
+  EXPECT_EQ(reds[2], 1.0f);
+  EXPECT_EQ(textures[3], textures[2]);
+  std::filesystem::remove(picture);
+  EXPECT_FALSE(file->scene_at(5.0, test::dots).ok()) << "what is not there any more is not drawn";
 }
 
 TEST_F(MaterialFiles, WhatIsNotThereIsSaid) {

@@ -186,6 +186,13 @@ std::shared_ptr<const SceneOverrides> add_scene_options(CLI::App& command) {
           "Lay this PNG or EXR over what is drawn as triangles, by the texture coordinates of OBJ and PLY")
       ->type_name("FILE")
       ->group(scene_group);
+  command
+      .add_option("--crease-angle", overrides->crease_angle,
+                  "Where triangles meet at a greater angle they do not share a normal; by default all about "
+                  "a point do")
+      ->check(CLI::Range(0.0, 180.0))
+      ->type_name("DEGREES")
+      ->group(scene_group);
   command.add_option("--points-scale", overrides->points_scale, "Multiply the points of generated objects")
       ->check(check_points_scale)
       ->group(scene_group);

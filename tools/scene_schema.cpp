@@ -213,7 +213,9 @@ Json object_schema() {
        {"draw", described(words({"splats", "surfels", "triangles"}), "What files are drawn as")},
        {"texture",
         described(text(),
-                  "A PNG or EXR that is laid over the triangles of a mesh that has texture coordinates")}});
+                  "A PNG or EXR that is laid over the triangles of a mesh that has texture coordinates")},
+       {"crease_angle", described({{"type", "number"}, {"minimum", 0}, {"maximum", 180}},
+                                  "Degrees: triangles that meet at a greater angle do not share a normal")}});
 }
 
 }  // namespace

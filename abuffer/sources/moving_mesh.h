@@ -15,15 +15,38 @@
 
 namespace swept {
 
+/// How far `curve` is on the film from where `truth` is, px, at the most; a difference of depths counts as
+/// one to the side. Both in camera space.
+///
+/// With d = curve − truth, the image moves by f (d_xy − (truth_xy / truth_z) d_z) / curve_z. By Cauchy and
+/// Schwarz that is no longer than f |d| √(1 + tan²) / curve_z, tan being that of truth's direction to the
+/// axis, and with the greater tangent of the two no more than f (|d| / |curve|) (1 + tan²): an angle, which
+/// means something beside and behind the eye too, times what the film makes of one. Beyond `most_tangent`,
+/// where no film is, that of the film's edge counts; depths below `near` count as `near`.
+[[nodiscard]] double off_path_px(const Eigen::Vector3d& curve, const Eigen::Vector3d& truth,
+                                 const Projection& film, double near, double most_tangent);
+
+/// Of the direction to the farthest corner of the film at mid-shutter; 0 where all are parallel.
+[[nodiscard]] double film_tangent(const Scene& scene, const Exposure& exposure);
+
 class MovingMesh {
  public:
   /// Over `exposure`, of all rows, evenly in time, which is 0 where it opens and 1 where it closes. Paths
   /// that are polynomials of degree ≤ 3 in camera space are taken as they are, between the keys of anything.
   /// Others, those that turn among them, become parabolas through the ends and the middle of stretches so
-  /// short that none is farther than `tolerance_px` from the path on the film, half-way between these.
-  /// Error: what turns too fast to be followed. Throws Stopped.
+  /// short that none is farther than `tolerance_px` from the path on the film: see off_path_px(). Error: what
+  /// turns too fast to be followed. Throws Stopped.
   [[nodiscard]] static Result<MovingMesh> follow(const Scene& scene, const Object& object,
                                                  const Exposure& exposure, double tolerance_px,
+                                                 const std::stop_token& stop) {
+    return follow(scene, object, exposure, tolerance_px, most_path_degree, film_tangent(scene, exposure),
+                  stop);
+  }
+  /// The same for polynomials of degree ≤ `most_degree`, which is 2 or 3; and `tolerance_px` holds out to
+  /// directions that have `most_tangent` to the axis.
+  [[nodiscard]] static Result<MovingMesh> follow(const Scene& scene, const Object& object,
+                                                 const Exposure& exposure, double tolerance_px,
+                                                 int most_degree, double most_tangent,
                                                  const std::stop_token& stop);
 
   [[nodiscard]] const Object& object() const { return *object_; }

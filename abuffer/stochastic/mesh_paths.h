@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,14 +15,17 @@
 
 namespace swept::stochastic {
 
-/// How far a curve may be from the true path on the film, px, as looked for in two places of each piece.
-inline constexpr double path_tolerance_px = 0.01;
+/// How far a curve may be from the true path, px, on the film and far beside it: where corners have at most
+/// this tangent to the axis, 84°. Farther out the angle counts, not where a longer film would show it:
+/// corners that pass by the eye's own plane would take pieces without end there.
+inline constexpr double path_tolerance_px = 0.01, path_tangent = 10.0;
 
 class MeshPaths {
  public:
-  /// Cuts the exposure at the keys of points, object and camera, and each part into as many pieces, up to 64,
-  /// as all corners take: where they move on parabolas, or lines, none. `object` has triangles.
-  MeshPaths(const Scene& scene, const Object& object, const Exposure& exposure);
+  /// The pieces are the stretches of MovingMesh::follow(), which says what cannot be followed; lines and
+  /// parabolas are cut at keys alone. `object` has triangles. Throws Stopped.
+  [[nodiscard]] static Result<MeshPaths> follow(const Scene& scene, const Object& object,
+                                                const Exposure& exposure, const std::stop_token& stop);
 
   [[nodiscard]] const Object& object() const { return *object_; }
   /// The frame at a time in [0, 1].
@@ -59,11 +63,11 @@ class MeshPaths {
   }
 
  private:
-  void cut_at_keys(const Scene& scene, const Exposure& exposure);
+  MeshPaths(const Object& object, const Exposure& exposure);
 
   const Object* object_;
   double open_, close_;
-  bool mirrored_, opaque_looks_ = true;
+  bool mirrored_ = false, opaque_looks_ = true;
   int degree_ = 2;
   std::size_t stride_ = 0;  ///< control points for each point: neighbouring pieces share one
   std::vector<double> cuts_;

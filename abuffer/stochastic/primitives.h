@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <stop_token>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "abuffer/stochastic/mesh_paths.h"
@@ -18,17 +21,27 @@ namespace swept::stochastic {
 /// Discs and triangles of a scene, in one row: discs first.
 class Primitives {
  public:
-  Primitives(const Scene& scene, const Exposure& exposure, const FilmView& view)
-      : view_(view), delta_(scene.model.delta) {
+  /// `view` must outlive them. Error: an object that cannot be followed. Throws Stopped.
+  [[nodiscard]] static Result<Primitives> of(const Scene& scene, const Exposure& exposure,
+                                             const FilmView& view, const std::stop_token& stop) {
+    Primitives all(view, scene.model.delta);
     if (std::any_of(scene.objects.begin(), scene.objects.end(),
                     [](const Object& o) { return o.discs() > 0; }))
-      kernels_ = build_kernels(scene, exposure);
-    begins_.push_back(kernels_.kernels.size());
-    for (const Object& object : scene.objects) {
+      all.kernels_ = build_kernels(scene, exposure);
+    all.begins_.push_back(all.kernels_.kernels.size());
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+      const Object& object = scene.objects[i];
       if (object.triangles.empty()) continue;
-      meshes_.push_back(std::make_unique<MeshPaths>(scene, object, exposure));
-      begins_.push_back(begins_.back() + object.triangles.size());
+      Result<MeshPaths> paths = MeshPaths::follow(scene, object, exposure, stop);
+      if (!paths) {
+        Error error = paths.error();
+        error.field = "/objects/" + std::to_string(i);
+        return error;
+      }
+      all.meshes_.push_back(std::make_unique<MeshPaths>(*std::move(paths)));
+      all.begins_.push_back(all.begins_.back() + object.triangles.size());
     }
+    return all;
   }
 
   [[nodiscard]] std::size_t size() const { return begins_.back(); }
@@ -60,6 +73,8 @@ class Primitives {
   }
 
  private:
+  Primitives(const FilmView& view, double delta) : view_(view), delta_(delta) {}
+
   const FilmView& view_;
   double delta_;
   KernelSet kernels_;

@@ -152,7 +152,9 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   std::size_t discs = 0;
   for (const Object& object : scene.objects) discs += object.discs();
   if (Status fits = check_bytes(discs * sizeof(MovingKernel), control); !fits) return fits.error();
-  const Primitives primitives(scene, exposure, view);
+  const Result<Primitives> found = Primitives::of(scene, exposure, view, control.stop);
+  if (!found) return found.error();
+  const Primitives& primitives = *found;
   if (Status fits = check_bytes(primitives.bytes(), control); !fits) return fits.error();
   Rendered out;
   Statistics& statistics = out.statistics;

@@ -99,6 +99,10 @@ Status PointSet::validate() const {
       return Error{"", "texture_corners",
                    "has " + std::to_string(texture_corners.size()) + " entries where there are " +
                        std::to_string(triangle.size()) + " triangles"};
+    if (!corner_normals.empty() && corner_normals.size() != triangle.size())
+      return Error{"", "corner_normals",
+                   "has " + std::to_string(corner_normals.size()) + " entries where there are " +
+                       std::to_string(triangle.size()) + " triangles"};
     return check_triangles(triangle, n);
   });
 }

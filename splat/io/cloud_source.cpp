@@ -10,6 +10,7 @@
 #include "splat/io/empty_files.h"
 #include "splat/io/guarded.h"
 #include "splat/io/match_points.h"
+#include "splat/io/mesh_creases.h"
 #include "splat/io/mesh_normals.h"
 #include "splat/io/normal_looks.h"
 #include "splat/io/sequence_ends.h"
@@ -35,6 +36,7 @@ ReadOptions read_options(const CloudSource& source) {
   ReadOptions options;
   options.texture = source.texture;
   options.corner_normals = source.triangles;
+  options.split_normals = source.triangles && source.crease_angle;
   options.materials = source.materials;
   options.attributes = source.attributes;
   options.delta = source.delta;
@@ -120,6 +122,8 @@ Status check_options(const CloudSource& source) {
   if (source.color_range && !positive(*source.color_range)) {
     return option_error("color_range", "must be positive and finite");
   }
+  if (source.crease_angle && !(*source.crease_angle >= 0.0 && *source.crease_angle <= 180.0))
+    return option_error("crease_angle", "must be between 0 and 180 degrees");
   if (source.stamps && source.files.size() > 1)
     return option_error("stamps", "belong to a single file, for points of several have the files' times");
   if (source.stamps && !std::isfinite(source.stamps->zero))
@@ -186,6 +190,10 @@ Result<LoadedCloud> first_key(PointSet set, EstimatedSurfels discs, double frame
   if (source.triangles && !set.triangle.empty())
     if (std::string normals = io::what_normals_are(set); !normals.empty())
       loaded.report.assumed.push_back(std::move(normals));
+  if (source.triangles && source.crease_angle) {
+    for (const Eigen::Vector3f& normal : set.normal) loaded.smooth.push_back(normal.isZero(0.0f) ? 0 : 1);
+    loaded.corner_normals = std::move(set.corner_normals);
+  }
   loaded.cloud.keys.push_back({frame, std::move(discs.pose)});
   if (discs.oriented && discs.unoriented.size() < loaded.cloud.size()) {
     loaded.cloud.oriented.assign(loaded.cloud.size(), 1);
@@ -406,9 +414,10 @@ Result<LoadedCloud> read_files(const CloudSource& source, double first, double l
   }
   if (!loaded) return in_file(loaded.error(), files[from].path);
   if (!loaded->materials.names.empty()) loaded->materials_of = files[from].path;
-  if (source.color_by_normals && !source.color)
-    io::turn_colors(from < span.end && loaded->cloud.keys.size() > 1 ? from - span.begin : 0, first, last,
-                    loaded->cloud);
+  const std::size_t reference = from < span.end && loaded->cloud.keys.size() > 1 ? from - span.begin : 0;
+  if (Status s = io::split_at_creases(source, reference, *loaded); !s)
+    return in_file(s.error(), files[from].path);
+  if (source.color_by_normals && !source.color) io::turn_colors(reference, first, last, loaded->cloud);
   if (several)
     if (Status ends = io::add_ends(source, span, first, last, *loaded); !ends) return ends.error();
   if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
@@ -444,6 +453,7 @@ Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const Cloud
     if (Status s = points.validate(); !s) return s.error();
     Result<LoadedCloud> loaded = first_key(std::move(points), frame, source);
     if (!loaded) return loaded;
+    if (Status s = io::split_at_creases(source, 0, *loaded); !s) return s.error();
     if (Status s = loaded->cloud.validate(); !s) return s.error();
     return loaded;
   });

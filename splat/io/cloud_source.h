@@ -66,6 +66,10 @@ struct CloudSource {
   /// A PLY or PCD file without points is a time at which there are none, as in a simulation before its first
   /// particles: those of the files beside it exist until, and from, halfway to it. Else it is an error.
   bool may_be_empty = false;
+  /// Of `triangles`: those that meet at a greater angle, degrees, do not share a normal, nor do those whose
+  /// corners the file gives different ones; points become several where that takes it. [0, 180]; none: all
+  /// triangles about a point share its normal. Not of sequences whose points come and go.
+  std::optional<double> crease_angle;
 };
 
 /// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
@@ -75,6 +79,11 @@ struct LoadedCloud {
   std::vector<TextureCorners> texture_corners;  ///< one a triangle, if they were asked for and are there
   MaterialNames materials;                      ///< likewise, with the path of the file that has them
   std::string materials_of;
+  std::vector<std::uint32_t> copies;  ///< what the last points are copies of, at creases
+  /// Of the first file read, until creases are found: whether it gives a point's normal, and those of
+  /// corners.
+  std::vector<std::uint8_t> smooth;
+  std::vector<CornerNormals> corner_normals;
   std::vector<std::string> notes;
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };

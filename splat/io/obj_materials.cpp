@@ -42,23 +42,28 @@ struct Library {
   std::vector<std::string> notes;
 };
 
-Result<Library> read_library(const std::string& obj_path, const MaterialNames& names) {
+Result<Library> read_library(const std::string& obj_path, const MaterialNames& names,
+                             KeptFiles<MtlFile>& kept) {
   Library library;
   for (const std::string& name : names.files) {
     const std::string path = beside(obj_path, name);
-    const Result<std::string> bytes = read_bytes(path);
-    if (!bytes) {
-      library.notes.push_back("materials are not read: " + bytes.error().message());
+    bool opened = true;
+    const Result<std::shared_ptr<const MtlFile>> file =
+        kept.get(path, [&](const std::string&) -> Result<MtlFile> {
+          const Result<std::string> bytes = read_bytes(path);
+          opened = bytes.ok();
+          if (!bytes) return bytes.error();
+          return read_mtl(path, *bytes);
+        });
+    if (!opened) {
+      library.notes.push_back("materials are not read: " + file.error().message());
       continue;
     }
-    Result<MtlFile> file = read_mtl(path, *bytes);
     if (!file) return file.error();
     ++library.found;
-    for (MtlMaterial& material : file->materials) {
-      std::string key = material.name;
-      library.materials.try_emplace(std::move(key), std::move(material), path);
-    }
-    if (!file->unread.empty()) library.notes.push_back(path + ": not read: " + listed(file->unread));
+    for (const MtlMaterial& material : (*file)->materials)
+      library.materials.try_emplace(material.name, material, path);
+    if (!(*file)->unread.empty()) library.notes.push_back(path + ": not read: " + listed((*file)->unread));
   }
   return library;
 }
@@ -70,10 +75,12 @@ float light(double stored, ColorSpace space) {
 }  // namespace
 
 Result<ObjMaterials> load_obj_materials(const std::string& obj_path, const MaterialNames& names,
-                                        ColorSpace space, bool own_colors) {
+                                        ColorSpace space, bool own_colors, MaterialFiles& kept) {
   ObjMaterials loaded;
   if (names.names.empty()) return loaded;
-  Result<Library> library = read_library(obj_path, names);
+  kept.libraries.begin_round();
+  kept.textures.begin_round();
+  Result<Library> library = read_library(obj_path, names, kept.libraries);
   if (!library) return library.error();
   loaded.notes = std::move(library->notes);
   if (names.files.empty()) loaded.notes.push_back("materials are not read: usemtl without a mtllib");
@@ -101,13 +108,13 @@ Result<ObjMaterials> load_obj_materials(const std::string& obj_path, const Mater
     }
     std::shared_ptr<const Texture>& texture = textures[path];
     if (!texture) {
-      Result<Texture> picture = read_texture(path);
+      const Result<std::shared_ptr<const Texture>> picture = kept.textures.get(path, read_texture);
       if (!picture) {
         Error error = picture.error();
         error.reason += ", which is map_Kd of material " + printable(name) + " of " + mtl_path;
         return error;
       }
-      texture = std::make_shared<const Texture>(*std::move(picture));
+      texture = *picture;
       loaded.notes.push_back("texture " + std::to_string(texture->width) + " x " +
                              std::to_string(texture->height) + ": " + path);
     }
@@ -132,15 +139,17 @@ bool draws_materials(const ObjectSource& source) {
          !source.color_by_normals;
 }
 
-Status take_materials(const ObjectSource& source, LoadedCloud& loaded, std::vector<Material>& materials,
-                      std::vector<std::uint32_t>& material_of, std::vector<TextureCorners>& texture_corners) {
+Status take_materials(const ObjectSource& source, LoadedCloud& loaded, MaterialFiles& kept,
+                      std::vector<Material>& materials, std::vector<std::uint32_t>& material_of,
+                      std::vector<TextureCorners>& texture_corners) {
   const auto* file = std::get_if<FileSource>(&source.points);
   const auto* sequence = std::get_if<SequenceSource>(&source.points);
   std::optional<ColorSpace> space;
   if (file != nullptr) space = file->stored.space;
   if (sequence != nullptr) space = sequence->stored.space;
-  Result<ObjMaterials> found = load_obj_materials(
-      loaded.materials_of, loaded.materials, space.value_or(ColorSpace::linear), !loaded.cloud.color.empty());
+  Result<ObjMaterials> found =
+      load_obj_materials(loaded.materials_of, loaded.materials, space.value_or(ColorSpace::linear),
+                         !loaded.cloud.color.empty(), kept);
   if (!found) return found.error();
   loaded.notes.insert(loaded.notes.end(), found->notes.begin(), found->notes.end());
   if (found->materials.empty()) return Done{};

@@ -10,6 +10,7 @@
 #include "splat/export.h"
 #include "splat/io/cloud_source.h"
 #include "splat/io/file_bytes.h"
+#include "splat/io/kept_files.h"
 #include "splat/io/point_file.h"
 #include "splat/io/scene_file.h"
 #include "splat/result.h"
@@ -57,19 +58,25 @@ struct ObjMaterials {
   std::vector<std::string> notes;
 };
 
+/// What an object's materials were last read from.
+struct MaterialFiles {
+  KeptFiles<MtlFile> libraries;
+  KeptFiles<Texture> textures;
+};
+
 /// What the MTL files beside an OBJ file say of its materials; of two of one name the first counts.
 /// `own_colors`: vertices have colours, which stand in place of Kd. A file that is not there and a texture of
-/// another kind than PNG and EXR are told in the notes. Errors: a malformed MTL file, a texture that cannot
-/// be read, or that faces have no place on.
+/// another kind than PNG and EXR are told in the notes. Files that `kept` has as they are now are not read
+/// again. Errors: a malformed MTL file, a texture that cannot be read, or that faces have no place on.
 [[nodiscard]] Result<ObjMaterials> load_obj_materials(const std::string& obj_path, const MaterialNames& names,
-                                                      ColorSpace space, bool own_colors);
+                                                      ColorSpace space, bool own_colors, MaterialFiles& kept);
 
 /// Whether the materials of a source's files say what its triangles look like, and nothing else does.
 [[nodiscard]] bool draws_materials(const ObjectSource& source);
 
 /// Moves what `loaded` has of materials to where an object has it; nothing where there are no MTL files. Adds
 /// notes.
-[[nodiscard]] Status take_materials(const ObjectSource& source, LoadedCloud& loaded,
+[[nodiscard]] Status take_materials(const ObjectSource& source, LoadedCloud& loaded, MaterialFiles& kept,
                                     std::vector<Material>& materials, std::vector<std::uint32_t>& material_of,
                                     std::vector<TextureCorners>& texture_corners);
 

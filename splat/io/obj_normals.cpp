@@ -30,11 +30,31 @@ Status ObjNormals::add(MeshBuilder& mesh) {
 Status ObjNormals::add_corner(const MeshBuilder& mesh, std::uint32_t vertex, std::string_view token) {
   const std::size_t first = token.find('/');
   const std::size_t second = first == std::string_view::npos ? first : token.find('/', first + 1);
+  polygon_.push_back(no_normal);
   if (second == std::string_view::npos) return Done{};
   const Result<std::uint32_t> index = obj_index(mesh, token.substr(second + 1), normals_.size(), "vn");
   if (!index) return index.error();
   corners_.push_back({vertex, *index});
+  polygon_.back() = *index;
   return Done{};
+}
+
+void ObjNormals::end_face() {
+  add_fan(polygon_, by_triangle_);
+  polygon_.clear();
+}
+
+std::vector<CornerNormals> ObjNormals::by_corner() const {
+  std::vector<CornerNormals> normals;
+  if (corners_.empty() || normals_.empty()) return normals;
+  normals.reserve(by_triangle_.size());
+  for (const auto& corners : by_triangle_) {
+    CornerNormals& of_triangle = normals.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c)
+      of_triangle[c] = corners[c] < normals_.size() ? Eigen::Vector3f(normals_[corners[c]].cast<float>())
+                                                    : Eigen::Vector3f(Eigen::Vector3f::Zero());
+  }
+  return normals;
 }
 
 Status ObjNormals::finish(const std::string& path, MeshBuilder& mesh,

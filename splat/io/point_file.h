@@ -46,8 +46,12 @@ struct ReadOptions {
       false;  ///< read texture coordinates: OBJ's vt, PLY's s and t of vertices or texcoord of faces
   bool materials = false;       ///< read OBJ's usemtl and mtllib, by name, and vt where corners have them
   bool corner_normals = false;  ///< read OBJ's vn where corners of faces name them; else of points alone
+  bool split_normals = false;   ///< keep what corner_normals reads by corner, too
   bool skip_invalid = false;    ///< drop points with NaN or infinite numbers; else they are an error
 };
+
+/// Normals that a file gives the corners of a triangle: unit length, or zero where it gives none.
+using CornerNormals = std::array<Eigen::Vector3f, 3>;
 
 /// Which materials the triangles of an OBJ file are made of, by name.
 struct MaterialNames {
@@ -72,6 +76,7 @@ struct PointSet {
   std::vector<std::int64_t> id;  ///< names of points, the same in every file of a sequence
   std::vector<std::array<std::uint32_t, 3>> triangle;  ///< of meshes, counter-clockwise from outside
   std::vector<TextureCorners> texture_corners;         ///< if ReadOptions asked for them: one a triangle
+  std::vector<CornerNormals> corner_normals;           ///< likewise, of files that have any
   MaterialNames materials;                             ///< if ReadOptions asked for them, and there are any
   std::vector<std::string> notes;                      ///< what a person should know about how this was read
   ReadReport report;                                   ///< what was read, and what was not

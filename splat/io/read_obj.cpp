@@ -166,6 +166,7 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
         if (Status s = texture.add_corner(mesh, token, options.texture); !s) return s.error();
       }
       add_fan(polygon, mesh.triangles);
+      if (options.split_normals) normals.end_face();
       if (places) texture.end_face(mesh.triangles.size());
       if (options.materials) materials.end_face(mesh.triangles.size());
     } else if (keyword == "vt" && places) {
@@ -207,6 +208,8 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
   }
   Result<PointSet> set = mesh.finish(further, options);
   if (!set) return set;
+  // Triangles have gone with points.
+  if (options.split_normals && set->report.dropped == 0) set->corner_normals = normals.by_corner();
   if (names.names.empty()) {
     if (!options.texture) set->texture_corners.clear();
   } else if (set->report.dropped > 0) {

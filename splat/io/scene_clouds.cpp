@@ -8,6 +8,7 @@
 
 #include "splat/io/guarded.h"
 #include "splat/io/json_text.h"
+#include "splat/io/mesh_creases.h"
 #include "splat/io/obj_materials.h"
 #include "splat/io/scene_clouds.h"
 #include "splat/io/scene_splats.h"
@@ -71,6 +72,7 @@ CloudSource cloud_source(const ObjectSource& source, const Scene& scene) {
   cloud.triangles = source.draw == DrawAs::triangles;
   cloud.materials = io::draws_materials(source);
   cloud.texture = source.draw == DrawAs::triangles && !source.texture.empty();
+  cloud.crease_angle = source.crease_angle;
   cloud.stamps = source.stamps;
   return cloud;
 }
@@ -159,6 +161,10 @@ Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scen
   if (source.draw == DrawAs::triangles && (source.radius || source.radius_scale != 1.0))
     return Error{path_, source.pointer + (source.radius ? "/radius" : "/radius_scale"),
                  "means nothing to triangles, which have no discs"};
+  if (source.crease_angle && !io::creases_available())
+    return Error{path_, source.pointer + "/crease_angle",
+                 "this build was made without OpenMesh (-DSWEPT_OPENMESH=ON), which finds creases",
+                 ErrorKind::unsupported};
   if (io::draws_splats(source)) {
     Result<LoadedSplats> loaded = io::load_splats(source, scene_.objects[i], settings);
     if (!loaded)
@@ -174,8 +180,8 @@ Result<SceneFile::LoadedObject> SceneFile::load_object(std::size_t i, const Scen
   if (!loaded) return loaded.error();
   if (source.sideless) loaded->cloud.oriented.clear();
   if (!loaded->materials.names.empty() && !loaded->triangles.empty())
-    if (Status taken =
-            io::take_materials(source, *loaded, object.materials, object.material_of, object.texture_corners);
+    if (Status taken = io::take_materials(source, *loaded, clouds_->materials[i], object.materials,
+                                          object.material_of, object.texture_corners);
         !taken)
       return taken.error();
   object.cloud = std::move(loaded->cloud);

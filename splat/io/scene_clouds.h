@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/io/obj_materials.h"
 #include "splat/io/scene_file.h"
 
 namespace swept {
@@ -36,8 +37,9 @@ struct SceneFile::Clouds {
   };
   std::vector<State> objects;
   double ahead_frame = 0.0;
-  std::map<std::size_t, LoadedObject> ahead;  ///< by object, as they are at that frame
-  std::map<std::string, Content> contents;    ///< by path
+  std::map<std::size_t, LoadedObject> ahead;           ///< by object, as they are at that frame
+  std::map<std::string, Content> contents;             ///< by path
+  std::map<std::size_t, io::MaterialFiles> materials;  ///< by object, as of the frame loaded last
 };
 
 }  // namespace swept

@@ -83,6 +83,7 @@ std::string canonical(const Scene& scene, const SceneOverrides& overrides) {
   nlohmann::json text = {overrides.points_scale};
   if (overrides.draw) text.push_back(name_of(*overrides.draw));
   if (!overrides.texture.empty()) text.push_back({"texture", true});
+  if (overrides.crease_angle) text.push_back({"crease_angle", *overrides.crease_angle});
   if (overrides.camera.any()) text.push_back({"camera", overrides.camera.numbers()});
   if (overrides.up) text.push_back({overrides.up->x(), overrides.up->y(), overrides.up->z()});
   for (const Field& field : scene_fields()) text.push_back({field.pointer, field.get(scene)});
@@ -221,6 +222,19 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
       }
       if (!used)
         return Error{overrides.texture, "", "is a texture, and nothing is drawn as triangles",
+                     ErrorKind::argument};
+    }
+    if (overrides.crease_angle) {
+      if (!(*overrides.crease_angle >= 0.0 && *overrides.crease_angle <= 180.0))
+        return Error{"", "crease_angle", "must be between 0 and 180 degrees", ErrorKind::argument};
+      bool used = false;
+      for (ObjectSource& source : file.sources_) {
+        if (source.draw != DrawAs::triangles) continue;
+        source.crease_angle = overrides.crease_angle;
+        used = true;
+      }
+      if (!used)
+        return Error{"", "crease_angle", "is of triangles, and nothing is drawn as such",
                      ErrorKind::argument};
     }
     if (const Status valid = file.scene_.validate(); !valid)

@@ -71,7 +71,8 @@ struct ObjectSource {
   std::string pointer;  ///< JSON pointer of the object, for messages
   /// Without it, splats where a single file holds trained ones, else surfels.
   std::optional<DrawAs> draw;
-  std::string texture;  ///< path of a picture for the triangles; empty: none
+  std::string texture;                 ///< path of a picture for the triangles; empty: none
+  std::optional<double> crease_angle;  ///< as CloudSource::crease_angle
   VelocityUnit velocity = VelocityUnit::per_second;
   std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
@@ -109,7 +110,8 @@ struct SceneOverrides {
   FieldValues fields;
   std::optional<DrawAs> draw;  ///< of all objects that have files
   std::string texture;         ///< of all objects that are drawn as triangles; empty: as the file says
-  double points_scale = 1.0;   ///< multiplies the point counts of generated objects; > 0
+  std::optional<double> crease_angle;  ///< likewise
+  double points_scale = 1.0;           ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;
   CameraOverrides camera;

@@ -173,7 +173,7 @@ TimeStamps parse_stamps(const JsonNode& node) {
 
 ParsedObject parse_object(const JsonNode& node, const std::string& folder, double default_frame) {
   node.expect_keys({"name", "source", "velocity", "transform", "color", "radius", "radius_scale", "facing",
-                    "segments", "draw", "texture", "stamps"});
+                    "segments", "draw", "texture", "crease_angle", "stamps"});
   ParsedObject parsed;
   Object& object = parsed.object;
   ObjectSource& source = parsed.source;
@@ -222,6 +222,12 @@ ParsedObject parse_object(const JsonNode& node, const std::string& folder, doubl
   if (const auto texture = node.find("texture")) {
     if (source.draw != DrawAs::triangles) texture->fail("goes with \"draw\": \"triangles\"");
     source.texture = resolve(*texture, folder);
+  }
+  if (const auto crease = node.find("crease_angle")) {
+    if (source.draw != DrawAs::triangles) crease->fail("goes with \"draw\": \"triangles\"");
+    source.crease_angle = crease->number();
+    if (!(*source.crease_angle >= 0.0 && *source.crease_angle <= 180.0))
+      crease->fail("must be between 0 and 180 degrees");
   }
   if (const auto stamps = node.find("stamps")) {
     if (!file) stamps->fail("goes with a single \"file\"");

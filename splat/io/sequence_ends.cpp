@@ -6,8 +6,10 @@
 namespace swept::io {
 namespace {
 
-/// The key at `frame`, beyond the one at `end`, which is that of the file whose points `set` has.
-SurfelKey moved_on(const SurfelKey& end, double frame, const PointSet& set, const CloudSource& source) {
+/// The key at `frame`, beyond the one at `end`, which is that of the file whose points `set` has. The last
+/// points are `copies`.
+SurfelKey moved_on(const SurfelKey& end, double frame, const PointSet& set,
+                   const std::vector<std::uint32_t>& copies, const CloudSource& source) {
   SurfelKey key = end;
   key.frame = frame;
   const double elapsed = (frame - end.frame) * velocity_scale(source);
@@ -17,6 +19,9 @@ SurfelKey moved_on(const SurfelKey& end, double frame, const PointSet& set, cons
     if (!set.acceleration.empty())
       key.pose.position[i] += 0.5 * elapsed * elapsed * set.acceleration[i].cast<double>();
   }
+  const std::size_t others = key.pose.size() - copies.size();
+  for (std::size_t k = 0; k < copies.size(); ++k)
+    key.pose.position[others + k] = key.pose.position[copies[k]];
   return key;
 }
 
@@ -40,8 +45,9 @@ Status add_ends(const CloudSource& source, const KeySpan& span, double first, do
   if (!set) return set.error();
   if (set->velocity.empty() && set->acceleration.empty()) return Done{};
   if (!same_points(before ? cloud.keys.front() : cloud.keys.back(), *set)) return Done{};
-  if (before) cloud.keys.insert(cloud.keys.begin(), moved_on(cloud.keys.front(), first, *set, source));
-  if (after) cloud.keys.push_back(moved_on(cloud.keys.back(), last, *set, source));
+  if (before)
+    cloud.keys.insert(cloud.keys.begin(), moved_on(cloud.keys.front(), first, *set, loaded.copies, source));
+  if (after) cloud.keys.push_back(moved_on(cloud.keys.back(), last, *set, loaded.copies, source));
   loaded.report.assumed.push_back("beyond the files points move along their velocities");
   return Done{};
 }

@@ -1,5 +1,5 @@
 // One-rings straight from the list of triangles: files hold triangles that share an edge three times or
-// turn the wrong way, and a half-edge mesh leaves those out.
+// turn the wrong way, and a half-edge mesh leaves those out. Discs need no more of topology than neighbours.
 #include <algorithm>
 #include <cmath>
 #include <optional>
