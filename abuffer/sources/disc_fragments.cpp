@@ -9,7 +9,7 @@ namespace swept {
 
 DiscFilm::DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
                    const std::stop_token& stop)
-    : maker(scene, scene.exposure()),
+    : maker(scene, scene.exposure(), SegmentShape::parabolas),
       bins(window, tile_px, maker.projection(), maker.near()),
       raster{maker.projection(), maker.near(), scene.model.delta, 0,
              scene.shutter.row_delay == 0.0

@@ -94,7 +94,7 @@ PixelFilter filter_of(const Scene& scene, const Projection& projection) {
 class ObjectKernels {
  public:
   ObjectKernels(const Scene& scene, const Object& object, const Exposure& exposure,
-                const Projection& projection)
+                const Projection& projection, SegmentShape shape)
       : scene_(scene),
         object_(object),
         exposure_(exposure),
@@ -104,7 +104,7 @@ class ObjectKernels {
         looks_(object.cloud, all_.middle()),
         tolerance_(path_tolerance_px(scene)) {
     if (cuts_by_point(scene, object, exposure)) {
-      cutter_.emplace(scene, object, all_);
+      cutter_.emplace(scene, object, all_, shape);
       take_side(instant_at(scene, object, all_, 0.5));
       // Shutter time is that of the first row.
       begin_ = exposure.curve ? 0.0 : (all_.open - exposure.open) / length();
@@ -185,7 +185,7 @@ class ObjectKernels {
 
   /// Leaves of the kernel what its point is there for. False: nothing.
   bool clip_to_lifetime(const Lifetime& life, MovingKernel& kernel) const {
-    const double before = kernel.t_mid();
+    const double before = kernel.t_mid(), half_before = kernel.half_time();
     const Exposure all = exposure_.of_all_rows(scene_.film.height);
     if (all.instant()) return life.born <= all.open && all.open < life.gone;
     const auto time = [&](double frame) {
@@ -196,7 +196,7 @@ class ObjectKernels {
     if (life.born > all.open) kernel.t_begin = std::max(kernel.t_begin, time(life.born));
     if (life.gone < all.close) kernel.t_end = std::min(kernel.t_end, time(life.gone));
     if (!(kernel.t_begin < kernel.t_end)) return false;
-    kernel.center += (kernel.t_mid() - before) * kernel.velocity;
+    kernel.keep_part(kernel.t_mid() - before, half_before);
     kernel.color += static_cast<float>(kernel.t_mid() - before) * kernel.color_rate;
     return true;
   }
@@ -225,6 +225,10 @@ class ObjectKernels {
     kernel.center = chord + (2.0 / 3.0) * (path.middle - chord);
     kernel.t_begin = static_cast<float>(path.begin);
     kernel.t_end = static_cast<float>(path.end);
+    if (path.bent) {
+      const double half_time = 0.5 * (path.end - path.begin);
+      kernel.bend = (chord - path.middle) / (half_time * half_time);
+    }
 
     const FilteredDisc disc = filter_disc(kernel.center, axis_u, axis_v, filter_);
     if (!(static_cast<float>(disc.weight) > 0.0f)) {
@@ -232,7 +236,7 @@ class ObjectKernels {
       return false;
     }
     const double reach = std::hypot(disc.axis_u.z(), disc.axis_v.z());
-    if (std::max(c0.z(), c1.z()) + reach < filter_.near) {
+    if (std::max({c0.z(), c1.z(), path.bent ? path.middle.z() : c0.z()}) + reach < filter_.near) {
       ++counts.culled_near;
       return false;
     }
@@ -243,8 +247,8 @@ class ObjectKernels {
     kernel.facing.setZero();
     // Coordinates near the end of a double's range, or sizes near that of a float's.
     constexpr float largest = 1e30f;
-    if (!kernel.center.allFinite() || !kernel.velocity.allFinite() || !kernel.axis_u.allFinite() ||
-        !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest)) {
+    if (!kernel.center.allFinite() || !kernel.velocity.allFinite() || !kernel.bend.allFinite() ||
+        !kernel.axis_u.allFinite() || !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest)) {
       ++counts.culled_degenerate;
       return false;
     }
@@ -263,7 +267,8 @@ class ObjectKernels {
                                               : std::abs(normal.dot(kernel.center)) <
                                                     1e-3 * normal.norm() * kernel.center.norm();
     if (edge_on) ++counts.edge_on_kernels;
-    if (std::min(c0.z(), c1.z()) - reach < filter_.near) ++counts.near_kernels;
+    if (std::min({c0.z(), c1.z(), path.bent ? path.middle.z() : c0.z()}) - reach < filter_.near)
+      ++counts.near_kernels;
     return true;
   }
 
@@ -279,7 +284,7 @@ class ObjectKernels {
   std::optional<AlikePaths> alike_;
 };
 
-KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure)
+KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure, SegmentShape shape)
     : scene_(scene),
       exposure_(exposure),
       projection_(
@@ -291,7 +296,7 @@ KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure)
     points += object.discs();
     objects_.push_back(object.discs() == 0
                            ? nullptr
-                           : std::make_unique<ObjectKernels>(scene, object, exposure, projection_));
+                           : std::make_unique<ObjectKernels>(scene, object, exposure, projection_, shape));
   }
 }
 
