@@ -93,6 +93,10 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
 void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
   const std::uint32_t shade = fragments_->kernel[f];
   Member member = member_of(*fragments_, f, shades_[shade]);
+  if (changes_.tolerances) {
+    const Shade& of = shades_[shade];
+    active_.tolerances.push_back({of.depth_tolerance - of.t_mid * of.tolerance_rate, of.tolerance_rate});
+  }
   if (changes_.of == nullptr) return active_.push(place, member);
   const ShadeChange& change = changes_.of[shade];
   const auto since = static_cast<float>(share_of(fragments_->t_begin[f]) + changes_.later - change.t_mid);
@@ -233,10 +237,12 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
     return event;
   }
   Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), latest) : event;
+  if (step_ > 0 && changes_.tolerances) end = active_.take_tolerances(begin, end);
   if (step_ > 0) admit(end);
   bool failed = false;
   while (step_ > 0) {
     counters_->evaluations += active_.members.size();
+    if (changes_.tolerances) (void)active_.take_tolerances(begin, end);
     FrontSum front = math_.front_over(active_.members.view(), begin, end);
     const Ticks longest = longest_step(front.fastest);
     Front kind = end - begin <= longest ? kind_of(front, end) : Front::too_long;
@@ -363,6 +369,11 @@ std::optional<Ticks> PixelSweep::resolve_merged(Ticks begin, Ticks event, PixelS
   bool failed = false;
   while (end > event) {
     admit(end);
+    if (changes_.tolerances) {
+      const Ticks same = std::max(active_.take_tolerances(begin, end), event);
+      if (same < end) withdraw(end = same);
+      if (end == event) break;
+    }
     const Ticks settled = merged_.build(active_, begin, end, pixel.by_depth != nullptr, *counters_);
     if (settled < end) {
       failed = true;
@@ -399,7 +410,9 @@ Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
   if (const std::optional<Ticks> merged = resolve_merged(begin, end, pixel)) return *merged;
   step_ = 0;
   while (begin < end) {
-    const Ticks piece_end = surfaces_.build(active_, begin, end, *counters_);
+    Ticks piece_end = end;
+    if (changes_.tolerances) piece_end = active_.take_tolerances(begin, end);
+    piece_end = surfaces_.build(active_, begin, piece_end, *counters_);
     const bool opaque = surfaces_.opaque();
     if (!hidden_.empty() && !(opaque && surfaces_.limit() < hidden_min_z_)) {
       reveal(begin);

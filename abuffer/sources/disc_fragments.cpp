@@ -41,6 +41,8 @@ void DiscFragments::select(std::size_t tile) {
   });
   shades_ = shades_of(kernels_);
   changes_ = changes_of(kernels_, shades_);
+  tolerances_change_ = std::any_of(kernels_.begin(), kernels_.end(),
+                                   [](const MovingKernel& k) { return k.tolerance_rate != 0.0f; });
   raster_.backs = static_cast<std::uint32_t>(shades_.size() - kernels_.size());
 }
 

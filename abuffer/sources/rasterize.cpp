@@ -64,7 +64,9 @@ std::vector<Shade> shades_of(std::span<const MovingKernel> kernels) {
   for (const MovingKernel& k : kernels)
     shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]},
                       k.depth_tolerance,
-                      k.outside.isZero(0.0f) ? Side::unknown : Side::front});
+                      k.outside.isZero(0.0f) ? Side::unknown : Side::front,
+                      k.tolerance_rate,
+                      k.t_mid()});
   if (!any_oriented) return shades;
   for (std::size_t k = 0; k < kernels.size(); ++k) {
     shades.push_back(shades[k]);

@@ -11,6 +11,8 @@
 
 #include <cstdint>
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 #include "splat/export.h"
@@ -60,12 +62,15 @@ struct MovingKernel {
   Eigen::Vector3f outside = Eigen::Vector3f::Zero();
   float t_begin = 0.0f, t_end = 1.0f;
   float weight = 1.0f;           ///< of the filtered disc
-  float depth_tolerance = 0.0f;  ///< ε, camera-space units
+  float depth_tolerance = 0.0f;  ///< ε, camera-space units; at t_mid()
   Eigen::Vector4f color;         ///< at t_mid(): linear, premultiplied by opacity; w is the opacity
   Eigen::Vector4f color_rate = Eigen::Vector4f::Zero();  ///< per unit of τ
   /// Half of what the velocity changes by, per unit of τ: with s = τ − t_mid() and h = half_time() the disc
   /// is at center + s·velocity + (s² − h²/3)·bend, whose mean is `center`. Zero: straight. bent_kernel.h.
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  /// Of ε, per unit of τ: discs that come nearer are seen through a smaller filter. 0 where it changes by
+  /// little.
+  float tolerance_rate = 0.0f;
 
   [[nodiscard]] float t_mid() const { return 0.5f * (t_begin + t_end); }
   /// It may change its colour for all that.
@@ -80,6 +85,8 @@ struct MovingKernel {
   /// segment's, whose half_time() was `half_before`.
   void keep_part(double later, double half_before) {
     center += later * velocity;
+    if (tolerance_rate != 0.0f)
+      depth_tolerance = std::max(0.0f, depth_tolerance + static_cast<float>(later) * tolerance_rate);
     if (!bent()) return;
     center += (later * later + (half_time() * half_time() - half_before * half_before) / 3.0) * bend;
     velocity += 2.0 * later * bend;

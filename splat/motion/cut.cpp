@@ -140,7 +140,8 @@ PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
   Seen seen{place.instant.to_camera(surfel.position),
             place.instant.to_camera_direction(surfel.axis_u),
             place.instant.to_camera_direction(surfel.axis_v),
-            {}};
+            {},
+            &place.instant};
   if (looks_change_) seen.light = place.looks[i];
   return seen;
 }
@@ -214,7 +215,7 @@ bool PathCutter::near_path(const Seen& first, const Seen& middle, const Seen& la
 bool PathCutter::same_filter(const Seen& end, const Seen& middle) const {
   const double scale = visible_scale(end.center), near = scene_.camera.near;
   if (projection_.orthographic || !(scale > 0.0)) return true;
-  const double tolerance_px = rims_per_path * tolerance_px_, z = end.center.z();
+  const double tolerance_px = filters_per_path * tolerance_px_, z = end.center.z();
   const double filter_px = scene_.model.filter_radius_px;
   if (!filter_may_differ(z, 2.0 * middle.center.z() - z, near, tolerance_px / filter_px)) return true;
   const double true_radius = filter_px / projection_.focal_px * z;
@@ -244,7 +245,8 @@ bool PathCutter::is_one_segment(std::size_t i) {
       if (!near_path(first, middle, last, truth, time) || !near_middle(truth, middle)) return false;
     }
   segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v,
-                       bends(first, middle, last), first.light, middle.light, last.light, whole_path});
+                       bends(first, middle, last), first.light, middle.light, last.light, first.axis_u,
+                       first.axis_v, last.axis_u, last.axis_v, first.at, middle.at, last.at, whole_path});
   return true;
 }
 
@@ -264,7 +266,8 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
   const int node = ((1 << finest) + begin) / (end - begin);
   segments_.push_back({time(span, begin), time(span, end), first.center, middle.center, last.center,
                        middle.axis_u, middle.axis_v, bends(first, middle, last), first.light, middle.light,
-                       last.light,
+                       last.light, first.axis_u, first.axis_v, last.axis_u, last.axis_v, first.at, middle.at,
+                       last.at,
                        static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)});
 }
 
@@ -288,6 +291,13 @@ PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
           first.light,
           middle.light,
           last.light,
+          first.axis_u,
+          first.axis_v,
+          last.axis_u,
+          last.axis_v,
+          first.at,
+          middle.at,
+          last.at,
           piece};
 }
 

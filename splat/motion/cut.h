@@ -22,7 +22,9 @@ struct PathSegment {
   bool bent = false;                    ///< a parabola through the three
   /// Premultiplied; where looks_change() over the exposure, else not set.
   Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
-  std::uint32_t piece = 0;  ///< which of all that the path may be cut into
+  Eigen::Vector3d first_u, first_v, last_u, last_v;  ///< axes at the ends
+  const Instant *at_first, *at_middle, *at_last;     ///< of who cut it
+  std::uint32_t piece = 0;                           ///< which of all that the path may be cut into
 };
 
 /// What a path is cut into.
@@ -60,6 +62,7 @@ class PathCutter {
   struct Seen {
     Eigen::Vector3d center, axis_u, axis_v;
     Eigen::Vector4f light;  ///< where looks change
+    const Instant* at;
   };
   static constexpr int finest = 10;  ///< halvings of a span at which paths are looked at
   static constexpr int most_halvings = 8;
