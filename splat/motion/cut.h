@@ -22,9 +22,10 @@ struct PathSegment {
   bool bent = false;                    ///< a parabola through the three
   /// Premultiplied; where looks_change() over the exposure, else not set.
   Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
-  Eigen::Vector3d first_u, first_v, last_u, last_v;  ///< axes at the ends
-  const Instant *at_first, *at_middle, *at_last;     ///< of who cut it
-  std::uint32_t piece = 0;                           ///< which of all that the path may be cut into
+  /// Axes at the ends.
+  Eigen::Vector3d first_u = Eigen::Vector3d::Zero(), first_v = first_u, last_u = first_u, last_v = first_u;
+  const Instant *at_first = nullptr, *at_middle = nullptr, *at_last = nullptr;  ///< of who cut it
+  std::uint32_t piece = 0;  ///< which of all that the path may be cut into
 };
 
 /// What a path is cut into.
