@@ -26,7 +26,8 @@ void SurfaceStack::start(std::size_t places, bool apart) {
 }
 
 Ticks ActiveSet::take_tolerances(Ticks begin, Ticks end) {
-  constexpr float most_change = 1.0f / 64.0f;
+  // Of few each is much of the picture, and they are soon resolved.
+  const float most_change = static_cast<float>(std::min<std::size_t>(tolerances.size(), 64)) / 4096.0f;
   float fastest = 0.0f;
   const auto from = static_cast<float>(share_of(begin));
   for (const Tolerance& t : tolerances)

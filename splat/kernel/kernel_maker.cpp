@@ -239,9 +239,11 @@ class ObjectKernels {
     const bool nears = filter_.radius != 0.0 && !filter_.orthographic && farthest - nearest > least * nearest;
     const bool grows = std::abs(last - first) > 2.0 * least * std::min(first, last);
     if (exposure_.row_delay != 0.0 || !(nearest > filter_.near) || (!nears && !grows)) return 0.0f;
-    const double change =
-        scene_.model.depth_tolerance * (size_at(*path.at_last, path.last, path.last_u, path.last_v) -
-                                        size_at(*path.at_first, path.first, path.first_u, path.first_v));
+    const double from = size_at(*path.at_first, path.first, path.first_u, path.first_v),
+                 to = size_at(*path.at_last, path.last, path.last_u, path.last_v);
+    // As of discs that are large beside the filter, however far they go.
+    if (!(std::abs(to - from) > 0.01 * from)) return 0.0f;
+    const double change = scene_.model.depth_tolerance * (to - from);
     const auto rate = static_cast<float>(change / (path.end - path.begin));
     return std::isfinite(rate) ? rate : 0.0f;
   }
