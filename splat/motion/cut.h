@@ -44,7 +44,7 @@ class PathCutter {
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
   /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 0.75
   /// times that from where it is in the middle (rims.h); else halves of it, down to 256 between two corners
-  /// of the path. Nor is the pixel filter of the middle farther than that from the one where it is used.
+  /// of the path. Nor is the pixel filter of the middle 0.6 times that from the one where it is used.
   /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Of parabolas it is what they are
   /// off by half-way to the middle that may be as much, and the chord's error there times the square of what
   /// part of the time a ray sees the disc for. Valid until the next call. Not for several threads at once.
