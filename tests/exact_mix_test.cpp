@@ -113,9 +113,9 @@ TEST(ExactMix, IsTheMeanOfManyInstants) {
 TEST(ExactMix, FliesThroughUnasked) {
   const auto db = [](const Scene& scene) {
     const Rendered rendered = exact(scene);
-    const double db = psnr_db(rendered.image, stills(scene));
-    std::printf("%.1f dB, %g kernels\n", db, test::counter(rendered, "kernels"));
-    return db;
+    const double found = psnr_db(rendered.image, stills(scene));
+    std::printf("%.1f dB, %g kernels\n", found, test::counter(rendered, "kernels"));
+    return found;
   };
   EXPECT_GE(db(flight()), 67.0);
   EXPECT_GE(db(flight_and_back()), 64.0);
