@@ -73,6 +73,7 @@ void TileRenderer::resolve_pixel(const Window& window, int x, int y, std::size_t
     DiscsOfPixel of{discs_->fragments(), discs_->shades(), indices};
     if (discs_->changes_color(local))
       of.changes = {discs_->changes().data(), discs_->film().raster.row_delay * y};
+    of.changes.tolerances = discs_->tolerances_change();
     return of;
   };
   if (!intervals.empty()) {

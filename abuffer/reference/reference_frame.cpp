@@ -111,7 +111,8 @@ Disc place(const MovingKernel& kernel, double tau, const Projection& projection,
   disc.outside = kernel.outside.cast<double>();
   disc.plane = disc.normal.dot(disc.center);
   disc.weight = kernel.weight;
-  disc.tolerance = kernel.depth_tolerance;
+  disc.tolerance =
+      std::max(0.0, kernel.depth_tolerance + (tau - kernel.t_mid()) * double{kernel.tolerance_rate});
   disc.color = kernel.color.cast<double>() + (tau - kernel.t_mid()) * kernel.color_rate.cast<double>();
   disc.box = bounding_box(disc.center, axis_u, axis_v, projection, near, window);
   return disc;

@@ -68,6 +68,7 @@ class MemberSet {
   }
 
   [[nodiscard]] const float* field(MemberField which) const { return data_.data() + which * stride_; }
+  void set(MemberField which, std::size_t i, float value) { data_[which * stride_ + i] = value; }
   [[nodiscard]] Ticks t_begin(std::size_t i) const { return std::bit_cast<Ticks>(field(member_t_begin)[i]); }
   [[nodiscard]] Ticks t_end(std::size_t i) const { return std::bit_cast<Ticks>(field(member_t_end)[i]); }
   [[nodiscard]] Members view() const {

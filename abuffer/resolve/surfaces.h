@@ -40,6 +40,11 @@ struct ActiveSet {
   std::vector<std::array<float, 4>> colors;  ///< of the members once more, side by side
   /// How these change per unit of τ; they are those of where each member begins. Empty if none changes.
   std::vector<std::array<float, 4>> rates;
+  /// How the members' depth tolerances change. Empty if none does.
+  struct Tolerance {
+    float at_zero, rate;  ///< as the exposure begins, and per unit of τ
+  };
+  std::vector<Tolerance> tolerances;
   std::vector<std::uint32_t> slot_of_place;  ///< place → member, or no_slot
   std::uint32_t of_side[3] = {0, 0, 0};      ///< how many members show each Side
   static constexpr std::uint32_t no_slot = ~0u;
@@ -56,6 +61,7 @@ struct ActiveSet {
     place_of_slot.clear();
     colors.clear();
     rates.clear();
+    tolerances.clear();
     for (std::uint32_t& count : of_side) count = 0;
     slot_of_place.assign(places, no_slot);
   }
@@ -76,8 +82,12 @@ struct ActiveSet {
     place_of_slot.pop_back();
     colors.pop_back();
     if (!rates.empty()) rates.pop_back();
+    if (!tolerances.empty()) tolerances.pop_back();
     members.pop();
   }
+  /// Gives each member the tolerance that it has in the middle of [begin, end]. Returns for how long from
+  /// `begin` none is off by more than a 128th of itself, or `end`.
+  Ticks take_tolerances(Ticks begin, Ticks end);
   /// The last member takes the place of member `slot`.
   void remove(std::size_t slot) {
     slot_of_place[place_of_slot[slot]] = no_slot;
@@ -90,6 +100,10 @@ struct ActiveSet {
     if (!rates.empty()) {
       rates[slot] = rates.back();
       rates.pop_back();
+    }
+    if (!tolerances.empty()) {
+      tolerances[slot] = tolerances.back();
+      tolerances.pop_back();
     }
     if (slot == members.size()) return;
     place_of_slot[slot] = moved;

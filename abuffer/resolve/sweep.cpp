@@ -100,6 +100,10 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
 void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
   const std::uint32_t shade = fragments_->kernel[f];
   Member member = member_of(*fragments_, f, shades_[shade]);
+  if (changes_.tolerances) {
+    const Shade& of = shades_[shade];
+    active_.tolerances.push_back({of.depth_tolerance - of.t_mid * of.tolerance_rate, of.tolerance_rate});
+  }
   if (changes_.of == nullptr) return active_.push(place, member);
   const ShadeChange& change = changes_.of[shade];
   const auto since = static_cast<float>(share_of(fragments_->t_begin[f]) + changes_.later - change.t_mid);
@@ -240,10 +244,12 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
     return event;
   }
   Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), latest) : event;
+  if (step_ > 0 && changes_.tolerances) end = active_.take_tolerances(begin, end);
   if (step_ > 0) admit(end);
   bool failed = false;
   while (step_ > 0) {
     counters_->evaluations += active_.members.size();
+    if (changes_.tolerances) (void)active_.take_tolerances(begin, end);
     Members members = active_.members.view();
     members.enough = model_.hard() ? std::numeric_limits<float>::min() : model_.edge_weight();
     FrontSum front = math_.front_over(members, begin, end);
@@ -375,6 +381,11 @@ std::optional<Ticks> PixelSweep::resolve_merged(Ticks begin, Ticks event, PixelS
   bool failed = false;
   while (end > event) {
     admit(end);
+    if (changes_.tolerances) {
+      const Ticks same = std::max(active_.take_tolerances(begin, end), event);
+      if (same < end) withdraw(end = same);
+      if (end == event) break;
+    }
     const Ticks settled = merged_.build(active_, begin, end, pixel.by_depth != nullptr, *counters_);
     if (settled < end) {
       failed = true;
@@ -411,7 +422,9 @@ Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
   if (const std::optional<Ticks> merged = resolve_merged(begin, end, pixel)) return *merged;
   step_ = 0;
   while (begin < end) {
-    const Ticks piece_end = surfaces_.build(active_, begin, end, *counters_);
+    Ticks piece_end = end;
+    if (changes_.tolerances) piece_end = active_.take_tolerances(begin, end);
+    piece_end = surfaces_.build(active_, begin, piece_end, *counters_);
     const bool opaque = surfaces_.opaque();
     if (!hidden_.empty() && !(opaque && surfaces_.limit() < hidden_min_z_)) {
       reveal(begin);

@@ -41,6 +41,7 @@ namespace swept {
 struct ChangingShades {
   const ShadeChange* of = nullptr;
   double later = 0.0;
+  bool tolerances = false;  ///< some change their depth tolerance
 };
 
 class PixelSweep {

@@ -9,7 +9,7 @@ namespace swept {
 
 DiscFilm::DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
                    const std::stop_token& stop)
-    : maker(scene, scene.exposure()),
+    : maker(scene, scene.exposure(), SegmentShape::parabolas),
       bins(window, tile_px, maker.projection(), maker.near()),
       raster{maker.projection(), maker.near(), scene.model.delta, 0,
              scene.shutter.row_delay == 0.0
@@ -41,6 +41,8 @@ void DiscFragments::select(std::size_t tile) {
   });
   shades_ = shades_of(kernels_);
   changes_ = changes_of(kernels_, shades_);
+  tolerances_change_ = std::any_of(kernels_.begin(), kernels_.end(),
+                                   [](const MovingKernel& k) { return k.tolerance_rate != 0.0f; });
   raster_.backs = static_cast<std::uint32_t>(shades_.size() - kernels_.size());
 }
 

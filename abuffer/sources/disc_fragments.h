@@ -42,6 +42,8 @@ class DiscFragments final : public FragmentSource {
   /// Of the tile's kernels, and how they change; that is empty where none does.
   [[nodiscard]] const std::vector<Shade>& shades() const { return shades_; }
   [[nodiscard]] const std::vector<ShadeChange>& changes() const { return changes_; }
+  /// Whether the depth tolerance of any of the tile's kernels changes.
+  [[nodiscard]] bool tolerances_change() const { return tolerances_change_; }
   /// Indices of the fragments of a pixel, which is counted row by row within the window. They are in the
   /// order of the kernels, and may be put into another.
   [[nodiscard]] std::span<std::uint32_t> of_pixel(std::size_t local) {
@@ -65,6 +67,7 @@ class DiscFragments final : public FragmentSource {
   std::vector<MovingKernel> kernels_;  ///< of the tile
   std::vector<Shade> shades_;
   std::vector<ShadeChange> changes_;
+  bool tolerances_change_ = false;
   RasterModel raster_;
   std::vector<BoundedKernel> octagons_;  ///< of these, in KernelOrder
   FragmentArrays fragments_;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "splat/kernel/bent_kernel.h"
 
 namespace swept {
 namespace {
@@ -32,11 +35,23 @@ Row rows_of(const Octagon& octagon, const Window& window) {
 
 /// The kernel in the shutter time of a row that is exposed so much later. False: it is not there then.
 bool delay(MovingKernel& kernel, double later) {
-  const double middle = double{kernel.t_mid()};
+  const double middle = double{kernel.t_mid()}, half = kernel.half_time();
   kernel.t_begin = static_cast<float>(std::clamp(kernel.t_begin - later, 0.0, 1.0));
   kernel.t_end = static_cast<float>(std::clamp(kernel.t_end - later, 0.0, 1.0));
-  kernel.center += (kernel.t_mid() + later - middle) * kernel.velocity;
+  kernel.keep_part(kernel.t_mid() + later - middle, half);
   return kernel.t_begin < kernel.t_end;
+}
+
+/// None for one that is not bent.
+std::optional<KernelPlane<double>> bending_of(MovingKernel kernel, bool parallel) {
+  if (!kernel.bent()) return std::nullopt;
+  kernel.velocity = kernel.bend;
+  return KernelPlane<double>(kernel, parallel);
+}
+
+RayBend<double> bend_along(const KernelPlane<double>& bending, double x, double y) {
+  const RayCoordinates<double> at = bending.along(x, y);
+  return {at.du, at.dv, at.dz};
 }
 
 }  // namespace
@@ -49,7 +64,9 @@ std::vector<Shade> shades_of(std::span<const MovingKernel> kernels) {
   for (const MovingKernel& k : kernels)
     shades.push_back({{k.color[0], k.color[1], k.color[2], k.color[3]},
                       k.depth_tolerance,
-                      k.outside.isZero(0.0f) ? Side::unknown : Side::front});
+                      k.outside.isZero(0.0f) ? Side::unknown : Side::front,
+                      k.tolerance_rate,
+                      k.t_mid()});
   if (!any_oriented) return shades;
   for (std::size_t k = 0; k < kernels.size(); ++k) {
     shades.push_back(shades[k]);
@@ -99,6 +116,9 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
   MovingKernel kernel = of_all_rows;
   const bool parallel = model.projection.orthographic;
   KernelPlane<double> plane(kernel, parallel);
+  // What bends a path does not depend on the row: parts of a parabola are bent alike.
+  const bool bent = kernel.bent();
+  const std::optional<KernelPlane<double>> bending = bending_of(kernel, parallel);
   const double per_pixel = 1.0 / model.projection.focal_px;
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
@@ -119,8 +139,11 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
       const double ray_x = (x + 0.5 - model.projection.center_x) * per_pixel;
       if (!plane.faces(ray_x, ray_y)) continue;
       RayFragment<double> fragment;
-      if (intersect_tube<double>(plane.along(ray_x, ray_y), kernel.t_begin, kernel.t_end, model.near,
-                                 model.delta, kernel.weight, fragment))
+      const RayCoordinates<double> ray = plane.along(ray_x, ray_y);
+      if (bent ? intersect_bent_tube<double>(ray, bend_along(*bending, ray_x, ray_y), kernel.t_begin,
+                                             kernel.t_end, model.near, model.delta, kernel.weight, fragment)
+               : intersect_tube<double>(ray, kernel.t_begin, kernel.t_end, model.near, model.delta,
+                                        kernel.weight, fragment))
         append(fragment, row_start + static_cast<std::uint32_t>(x),
                oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index, fragments);
     }

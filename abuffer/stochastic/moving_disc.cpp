@@ -88,6 +88,12 @@ std::array<float, 4> MovingDisc::light() const {
   return {rgba[0], rgba[1], rgba[2], rgba[3]};
 }
 
+float MovingDisc::tolerance() const {
+  if (kernel_.tolerance_rate == 0.0f) return kernel_.depth_tolerance;
+  const double since = double{placed_} - double{kernel_.t_mid()};
+  return static_cast<float>(std::max(0.0, kernel_.depth_tolerance + since * kernel_.tolerance_rate));
+}
+
 bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, int y,
                              SampleHits& hits) const {
   // Segments are half open, so that of two that meet only one is seen.
@@ -115,8 +121,8 @@ bool MovingDisc::test_placed(const BlockSamples& samples, std::size_t k, int x, 
   if (!(radius <= 1.0)) return false;
   const Side side = outside.isZero(0.0) ? Side::unknown : outside.dot(ray) < 0.0 ? Side::front : Side::back;
   hits.add(DiscHit{static_cast<std::uint32_t>(k), z,
-                   static_cast<float>(double{kernel_.weight} * std::exp(-delta_ * radius)),
-                   kernel_.depth_tolerance, side, light()});
+                   static_cast<float>(double{kernel_.weight} * std::exp(-delta_ * radius)), tolerance(), side,
+                   light()});
   return true;
 }
 

@@ -44,6 +44,7 @@ class MovingDisc {
     return kernel_.center + (time - double{kernel_.t_mid()}) * kernel_.velocity;
   }
   [[nodiscard]] std::array<float, 4> light() const;  ///< at the instant it was placed at
+  [[nodiscard]] float tolerance() const;             ///< the same
   [[nodiscard]] Span plane(int axis, int side, double tangent) const;
 
   const MovingKernel& kernel_;

@@ -21,6 +21,8 @@ struct Shade {
   float rgba[4];
   float depth_tolerance;
   Side side = Side::unknown;
+  float tolerance_rate = 0.0f,
+        t_mid = 0.0f;  ///< depth_tolerance changes by so much per unit of τ about t_mid
 };
 
 /// How a Shade's colour changes over the exposure: evenly, `rate` per unit of τ. At `t_mid` it is the

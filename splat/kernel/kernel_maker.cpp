@@ -30,9 +30,10 @@ bool still(const std::vector<PathSegment>& path) {
 /// The paths of an object's points, all cut alike.
 class AlikePaths {
  public:
-  AlikePaths(const Scene& scene, const Object& object, const Exposure& exposure, bool looks_change)
+  AlikePaths(const Scene& scene, const Object& object, const Exposure& exposure, bool looks_change,
+             bool still)
       : looks_change_(looks_change) {
-    const int segments = linear_segments(scene, object, exposure);
+    const int segments = still ? 1 : linear_segments(scene, object, exposure);
     for (int s = 0; s <= segments; ++s) {
       times_.push_back(segment_time(exposure, s, segments));
       ends_.push_back(place(scene, object, exposure, times_.back()));
@@ -56,6 +57,19 @@ class AlikePaths {
                         middle.instant.to_camera_direction(surfel.axis_u),
                         middle.instant.to_camera_direction(surfel.axis_v)};
     segment.piece = piece;
+    segment.at_first = &first.instant;
+    segment.at_middle = &middle.instant;
+    segment.at_last = &last.instant;
+    segment.first_u = segment.last_u = segment.axis_u;
+    segment.first_v = segment.last_v = segment.axis_v;
+    // Discs do not turn or grow where all are cut alike, unless somebody asked for it; films may.
+    if (first.instant.zooms() || last.instant.zooms()) {
+      const SurfelInstant from = first.surfels[i], to = last.surfels[i];
+      segment.first_u = first.instant.to_camera_direction(from.axis_u);
+      segment.first_v = first.instant.to_camera_direction(from.axis_v);
+      segment.last_u = last.instant.to_camera_direction(to.axis_u);
+      segment.last_v = last.instant.to_camera_direction(to.axis_v);
+    }
     if (looks_change_) {
       segment.first_light = first.looks[i];
       segment.middle_light = middle.looks[i];
@@ -94,7 +108,7 @@ PixelFilter filter_of(const Scene& scene, const Projection& projection) {
 class ObjectKernels {
  public:
   ObjectKernels(const Scene& scene, const Object& object, const Exposure& exposure,
-                const Projection& projection)
+                const Projection& projection, SegmentShape shape)
       : scene_(scene),
         object_(object),
         exposure_(exposure),
@@ -102,15 +116,16 @@ class ObjectKernels {
         filter_(filter_of(scene, projection)),
         looks_change_(looks_change(object.cloud, all_.open, all_.close)),
         looks_(object.cloud, all_.middle()),
+        still_(stands_still(scene, object, exposure)),
         tolerance_(path_tolerance_px(scene)) {
-    if (cuts_by_point(scene, object, exposure)) {
-      cutter_.emplace(scene, object, all_);
+    if (!still_ && cuts_by_point(scene, object, exposure)) {
+      cutter_.emplace(scene, object, all_, shape);
       take_side(instant_at(scene, object, all_, 0.5));
       // Shutter time is that of the first row.
       begin_ = exposure.curve ? 0.0 : (all_.open - exposure.open) / length();
       scale_ = exposure.curve ? 1.0 : (all_.close - all_.open) / length();
     } else {
-      alike_.emplace(scene, object, exposure, looks_change_);
+      alike_.emplace(scene, object, exposure, looks_change_, still_);
       take_side(alike_->first_middle());
     }
   }
@@ -153,8 +168,7 @@ class ObjectKernels {
       else
         for (const PathSegment& segment : alike) make(segment);
     }
-    if (stands_still(scene_, object_, exposure_))
-      counts.standing_kernels += counts.still_kernels - still_before;
+    if (still_) counts.standing_kernels += counts.still_kernels - still_before;
   }
 
   [[nodiscard]] MovingKernel make(std::size_t i, std::uint32_t piece) const {
@@ -185,7 +199,7 @@ class ObjectKernels {
 
   /// Leaves of the kernel what its point is there for. False: nothing.
   bool clip_to_lifetime(const Lifetime& life, MovingKernel& kernel) const {
-    const double before = kernel.t_mid();
+    const double before = kernel.t_mid(), half_before = kernel.half_time();
     const Exposure all = exposure_.of_all_rows(scene_.film.height);
     if (all.instant()) return life.born <= all.open && all.open < life.gone;
     const auto time = [&](double frame) {
@@ -196,9 +210,42 @@ class ObjectKernels {
     if (life.born > all.open) kernel.t_begin = std::max(kernel.t_begin, time(life.born));
     if (life.gone < all.close) kernel.t_end = std::min(kernel.t_end, time(life.gone));
     if (!(kernel.t_begin < kernel.t_end)) return false;
-    kernel.center += (kernel.t_mid() - before) * kernel.velocity;
+    kernel.keep_part(kernel.t_mid() - before, half_before);
     kernel.color += static_cast<float>(kernel.t_mid() - before) * kernel.color_rate;
     return true;
+  }
+
+  /// The filtered disc's as a still of the instant has it: the depth tolerance's unit.
+  [[nodiscard]] double size_at(const Instant& instant, const Eigen::Vector3d& center,
+                               const Eigen::Vector3d& axis_u, const Eigen::Vector3d& axis_v) const {
+    if (!instant.zooms()) return filter_disc(center, axis_u, axis_v, filter_).size;
+    PixelFilter filter = filter_;
+    filter.radius /= instant.zoom;
+    filter.max_tangent_x /= std::min(1.0, instant.zoom);
+    filter.max_tangent_y /= std::min(1.0, instant.zoom);
+    return filter_disc(instant.as_still(center), instant.as_still(axis_u), instant.as_still(axis_v), filter)
+        .size;
+  }
+
+  /// Of the depth tolerance, whose unit is the filtered disc's size: it changes as the disc comes nearer, or
+  /// grows on the film.
+  [[nodiscard]] float tolerance_rate(const PathSegment& path) const {
+    // Less is not seen, and to know it exactly would make each kernel dearer.
+    constexpr double least = 0.02;
+    const double nearest = std::min(path.first.z(), path.last.z()),
+                 farthest = std::max(path.first.z(), path.last.z());
+    const double first = path.first_u.squaredNorm() + path.first_v.squaredNorm(),
+                 last = path.last_u.squaredNorm() + path.last_v.squaredNorm();
+    const bool nears = filter_.radius != 0.0 && !filter_.orthographic && farthest - nearest > least * nearest;
+    const bool grows = std::abs(last - first) > 2.0 * least * std::min(first, last);
+    if (exposure_.row_delay != 0.0 || !(nearest > filter_.near) || (!nears && !grows)) return 0.0f;
+    const double from = size_at(*path.at_first, path.first, path.first_u, path.first_v),
+                 to = size_at(*path.at_last, path.last, path.last_u, path.last_v);
+    // As of discs that are large beside the filter, however far they go.
+    if (!(std::abs(to - from) > 0.01 * from)) return 0.0f;
+    const double change = scene_.model.depth_tolerance * (to - from);
+    const auto rate = static_cast<float>(change / (path.end - path.begin));
+    return std::isfinite(rate) ? rate : 0.0f;
   }
 
   /// Even in time between the ends, and right in the mean, as the path is.
@@ -225,6 +272,10 @@ class ObjectKernels {
     kernel.center = chord + (2.0 / 3.0) * (path.middle - chord);
     kernel.t_begin = static_cast<float>(path.begin);
     kernel.t_end = static_cast<float>(path.end);
+    if (path.bent) {
+      const double half_time = 0.5 * (path.end - path.begin);
+      kernel.bend = (chord - path.middle) / (half_time * half_time);
+    }
 
     const FilteredDisc disc = filter_disc(kernel.center, axis_u, axis_v, filter_);
     if (!(static_cast<float>(disc.weight) > 0.0f)) {
@@ -232,19 +283,22 @@ class ObjectKernels {
       return false;
     }
     const double reach = std::hypot(disc.axis_u.z(), disc.axis_v.z());
-    if (std::max(c0.z(), c1.z()) + reach < filter_.near) {
+    if (std::max({c0.z(), c1.z(), path.bent ? path.middle.z() : c0.z()}) + reach < filter_.near) {
       ++counts.culled_near;
       return false;
     }
     kernel.axis_u = disc.axis_u.cast<float>();
     kernel.axis_v = disc.axis_v.cast<float>();
     kernel.weight = static_cast<float>(disc.weight);
-    kernel.depth_tolerance = static_cast<float>(scene_.model.depth_tolerance * disc.size);
+    const double size =
+        path.at_middle->zooms() ? size_at(*path.at_middle, kernel.center, axis_u, axis_v) : disc.size;
+    kernel.depth_tolerance = static_cast<float>(scene_.model.depth_tolerance * size);
+    kernel.tolerance_rate = tolerance_rate(path);
     kernel.facing.setZero();
     // Coordinates near the end of a double's range, or sizes near that of a float's.
     constexpr float largest = 1e30f;
-    if (!kernel.center.allFinite() || !kernel.velocity.allFinite() || !kernel.axis_u.allFinite() ||
-        !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest)) {
+    if (!kernel.center.allFinite() || !kernel.velocity.allFinite() || !kernel.bend.allFinite() ||
+        !kernel.axis_u.allFinite() || !kernel.axis_v.allFinite() || !(kernel.depth_tolerance <= largest)) {
       ++counts.culled_degenerate;
       return false;
     }
@@ -263,7 +317,8 @@ class ObjectKernels {
                                               : std::abs(normal.dot(kernel.center)) <
                                                     1e-3 * normal.norm() * kernel.center.norm();
     if (edge_on) ++counts.edge_on_kernels;
-    if (std::min(c0.z(), c1.z()) - reach < filter_.near) ++counts.near_kernels;
+    if (std::min({c0.z(), c1.z(), path.bent ? path.middle.z() : c0.z()}) - reach < filter_.near)
+      ++counts.near_kernels;
     return true;
   }
 
@@ -273,13 +328,14 @@ class ObjectKernels {
   PixelFilter filter_;
   bool looks_change_;
   LooksAt looks_;  ///< in the middle of the exposure
+  bool still_;     ///< known once: rates that are all zero have to be looked through
   double tolerance_, begin_ = 0.0, scale_ = 1.0;
   double side_ = 1.0;  ///< −1: the object is mirrored
   std::optional<PathCutter> cutter_;
   std::optional<AlikePaths> alike_;
 };
 
-KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure)
+KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure, SegmentShape shape)
     : scene_(scene),
       exposure_(exposure),
       projection_(
@@ -291,7 +347,7 @@ KernelMaker::KernelMaker(const Scene& scene, const Exposure& exposure)
     points += object.discs();
     objects_.push_back(object.discs() == 0
                            ? nullptr
-                           : std::make_unique<ObjectKernels>(scene, object, exposure, projection_));
+                           : std::make_unique<ObjectKernels>(scene, object, exposure, projection_, shape));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "splat/export.h"
 #include "splat/kernel/kernel_set.h"
+#include "splat/motion/cut.h"
 
 namespace SWEPT_API swept {
 
@@ -24,7 +25,7 @@ struct KernelSource {
 class KernelMaker {
  public:
   /// The scene must outlive it, and satisfy validate().
-  KernelMaker(const Scene& scene, const Exposure& exposure);
+  KernelMaker(const Scene& scene, const Exposure& exposure, SegmentShape shape = SegmentShape::chords);
   ~KernelMaker();
   KernelMaker(KernelMaker&&) noexcept;
 

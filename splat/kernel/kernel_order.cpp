@@ -29,13 +29,14 @@ std::uint64_t KernelOrder::key(const MovingKernel& kernel) const {
 
 bool KernelOrder::content_less(const MovingKernel& a, const MovingKernel& b) {
   const auto content = [](const MovingKernel& k) {
-    return std::array<double, 30>{
+    return std::array<double, 34>{
         k.center.x(),   k.center.y(),     k.center.z(),     k.velocity.x(),    k.velocity.y(),
         k.velocity.z(), k.axis_u.x(),     k.axis_u.y(),     k.axis_u.z(),      k.axis_v.x(),
         k.axis_v.y(),   k.axis_v.z(),     k.facing.x(),     k.facing.y(),      k.facing.z(),
         k.t_begin,      k.t_end,          k.weight,         k.depth_tolerance, k.color.x(),
         k.color.y(),    k.color.z(),      k.color.w(),      k.outside.x(),     k.outside.y(),
-        k.outside.z(),  k.color_rate.x(), k.color_rate.y(), k.color_rate.z(),  k.color_rate.w()};
+        k.outside.z(),  k.color_rate.x(), k.color_rate.y(), k.color_rate.z(),  k.color_rate.w(),
+        k.bend.x(),     k.bend.y(),       k.bend.z(),       k.tolerance_rate};
   };
   return content(a) < content(b);
 }

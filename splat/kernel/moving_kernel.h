@@ -11,6 +11,8 @@
 
 #include <cstdint>
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 #include "splat/export.h"
@@ -49,7 +51,7 @@ struct FilteredDisc {
 [[nodiscard]] FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& axis_u,
                                        const Eigen::Vector3d& axis_v, const PixelFilter& filter);
 
-/// One linear segment of one surfel, in camera space, filtered. Shutter time τ ∈ [0, 1].
+/// One segment of one surfel, in camera space, filtered, linear but where it says. Shutter time τ ∈ [0, 1].
 struct MovingKernel {
   Eigen::Vector3d center;          ///< at τ = t_mid()
   Eigen::Vector3d velocity;        ///< m, per unit of τ; exactly zero: a still kernel
@@ -60,14 +62,35 @@ struct MovingKernel {
   Eigen::Vector3f outside = Eigen::Vector3f::Zero();
   float t_begin = 0.0f, t_end = 1.0f;
   float weight = 1.0f;           ///< of the filtered disc
-  float depth_tolerance = 0.0f;  ///< ε, camera-space units
+  float depth_tolerance = 0.0f;  ///< ε, camera-space units; at t_mid()
   Eigen::Vector4f color;         ///< at t_mid(): linear, premultiplied by opacity; w is the opacity
   Eigen::Vector4f color_rate = Eigen::Vector4f::Zero();  ///< per unit of τ
+  /// Half of what the velocity changes by, per unit of τ: with s = τ − t_mid() and h = half_time() the disc
+  /// is at center + s·velocity + (s² − h²/3)·bend, whose mean is `center`. Zero: straight. bent_kernel.h.
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  /// Of ε, per unit of τ: discs that come nearer are seen through a smaller filter. 0 where it changes by
+  /// little.
+  float tolerance_rate = 0.0f;
 
   [[nodiscard]] float t_mid() const { return 0.5f * (t_begin + t_end); }
   /// It may change its colour for all that.
   [[nodiscard]] bool still() const { return velocity.isZero(0.0); }
   [[nodiscard]] bool changes_color() const { return !color_rate.isZero(0.0f); }
+  [[nodiscard]] bool bent() const { return !bend.isZero(0.0); }
+  [[nodiscard]] double half_time() const {
+    return 0.5 * (static_cast<double>(t_end) - static_cast<double>(t_begin));
+  }
+
+  /// To be called once the times are those of a part of the segment: that part's middle is `later` than the
+  /// segment's, whose half_time() was `half_before`.
+  void keep_part(double later, double half_before) {
+    center += later * velocity;
+    if (tolerance_rate != 0.0f)
+      depth_tolerance = std::max(0.0f, depth_tolerance + static_cast<float>(later) * tolerance_rate);
+    if (!bent()) return;
+    center += (later * later + (half_time() * half_time() - half_before * half_before) / 3.0) * bend;
+    velocity += 2.0 * later * bend;
+  }
 };
 
 }  // namespace swept

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace swept {
 namespace {
@@ -64,7 +65,7 @@ PixelBox parallel_box(const Eigen::Vector3d& c, const Eigen::Vector3d& a, const 
 
 /// Corners of the two parallelograms around the discs: their hull contains the tube. Its part beyond the near
 /// plane is the hull of the corners there and of the edges' crossings.
-bool project_clipped(const std::array<Eigen::Vector3d, 8>& corners, const Projection& p, double near,
+bool project_clipped(std::span<const Eigen::Vector3d> corners, const Projection& p, double near,
                      PixelBox& box) {
   box = empty_box();
   const auto include = [&](const Eigen::Vector3d& point, double z) {
@@ -132,7 +133,49 @@ bool Octagon::span(double y_min, double y_max, double& x_min, double& x_max) con
   return true;
 }
 
+namespace {
+
+PixelBox united(const PixelBox& a, const PixelBox& b) {
+  return {std::min(a.x_min, b.x_min), std::max(a.x_max, b.x_max), std::min(a.y_min, b.y_min),
+          std::max(a.y_max, b.y_max)};
+}
+
+/// A parabola is within the hull of its straight line's ends, each moved as far as it leaves the line to
+/// either side.
+bool bent_bounds(const MovingKernel& kernel, const Projection& projection, double near, Octagon& octagon) {
+  const double half = kernel.half_time();
+  const Eigen::Vector3d way = half * kernel.velocity, bend = half * half / 3.0 * kernel.bend;
+  const std::array<Eigen::Vector3d, 4> ends{kernel.center - way - bend, kernel.center - way + 2.0 * bend,
+                                            kernel.center + way - bend, kernel.center + way + 2.0 * bend};
+  const Eigen::Vector3d a = kernel.axis_u.cast<double>(), b = kernel.axis_v.cast<double>();
+  const double reach = std::hypot(a.z(), b.z());
+  double nearest = ends[0].z(), farthest = nearest;
+  for (const Eigen::Vector3d& end : ends) {
+    nearest = std::min(nearest, end.z());
+    farthest = std::max(farthest, end.z());
+  }
+  if (farthest + reach < near) return false;
+  const auto boxes = [&](const auto& box_of) {
+    octagon = {padded(united(box_of(ends[0], a, b, projection), box_of(ends[1], a, b, projection))),
+               padded(united(box_of(ends[2], a, b, projection), box_of(ends[3], a, b, projection)))};
+    return true;
+  };
+  if (projection.orthographic) return boxes(parallel_box);
+  if (nearest - reach > near) return boxes(project_disc);
+  std::array<Eigen::Vector3d, 16> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    corners[k] =
+        ends[k / 4] + (k % 2 == 0 ? a : Eigen::Vector3d(-a)) + (k / 2 % 2 == 0 ? b : Eigen::Vector3d(-b));
+  PixelBox box;
+  if (!project_clipped(corners, projection, near, box)) return false;
+  octagon = {padded(box), padded(box)};
+  return true;
+}
+
+}  // namespace
+
 bool screen_bounds(const MovingKernel& kernel, const Projection& projection, double near, Octagon& octagon) {
+  if (kernel.bent()) return bent_bounds(kernel, projection, near, octagon);
   const double half = 0.5 * (static_cast<double>(kernel.t_end) - static_cast<double>(kernel.t_begin));
   const Eigen::Vector3d c0 = kernel.center - half * kernel.velocity,
                         c1 = kernel.center + half * kernel.velocity;
@@ -148,10 +191,9 @@ bool screen_bounds(const MovingKernel& kernel, const Projection& projection, dou
     return true;
   }
   PixelBox box;
-  if (!project_clipped(
-          {c0 + a + b, c0 + a - b, c0 - a + b, c0 - a - b, c1 + a + b, c1 + a - b, c1 - a + b, c1 - a - b},
-          projection, near, box))
-    return false;
+  const std::array<Eigen::Vector3d, 8> corners{c0 + a + b, c0 + a - b, c0 - a + b, c0 - a - b,
+                                               c1 + a + b, c1 + a - b, c1 - a + b, c1 - a - b};
+  if (!project_clipped(corners, projection, near, box)) return false;
   box = padded(box);
   octagon = {box, box};
   return true;

@@ -17,6 +17,11 @@ constexpr double most_spans = 1024.0;
 /// Of a colour, or of 1 if that is more: the chord's light is right in the mean, so that far less is seen.
 constexpr float light_tolerance = 0x1p-9f;
 
+/// Of the tolerance: what is straighter is a chord, which costs less to draw.
+constexpr double least_bend = 0.25;
+/// Of the way from end to end: the direction changes by a fifth of a radian to either side, the speed by 0.4.
+constexpr double most_bend = 0.1;
+
 /// Halves are numbered as the nodes of a binary tree, the root being 1, below the number of their span.
 constexpr int node_bits = 9;
 constexpr std::uint32_t whole_path = ~0u;
@@ -52,12 +57,18 @@ double turning(const Scene& scene, const Object& object, double spin, double fir
   return turns;
 }
 
+Eigen::Vector3d off_chord(const Eigen::Vector3d& first, const Eigen::Vector3d& truth,
+                          const Eigen::Vector3d& last, double share) {
+  return truth - (first + share * (last - first));
+}
+
 }  // namespace
 
-PathCutter::PathCutter(const Scene& scene, const Object& object, const Exposure& exposure)
+PathCutter::PathCutter(const Scene& scene, const Object& object, const Exposure& exposure, SegmentShape shape)
     : scene_(scene),
       object_(object),
       exposure_(exposure),
+      shape_(shape),
       projection_(projection_of(scene.film, scene.camera.at(exposure.middle()))),
       looks_change_(looks_change(object.cloud, exposure.open, exposure.close)),
       middle_(place(0.5)) {
@@ -129,7 +140,8 @@ PathCutter::Seen PathCutter::see(std::size_t i, const Place& place) const {
   Seen seen{place.instant.to_camera(surfel.position),
             place.instant.to_camera_direction(surfel.axis_u),
             place.instant.to_camera_direction(surfel.axis_v),
-            {}};
+            {},
+            &place.instant};
   if (looks_change_) seen.light = place.looks[i];
   return seen;
 }
@@ -143,23 +155,67 @@ double PathCutter::visible_scale(const Eigen::Vector3d& center) const {
   return std::abs(x) <= scene_.film.width && std::abs(y) <= scene_.film.height ? scale : 0.0;
 }
 
+bool PathCutter::same_light(const Seen& first, const Seen& truth, const Seen& last, double share) const {
+  if (!looks_change_) return true;
+  const Eigen::Vector4f light = first.light + static_cast<float>(share) * (last.light - first.light);
+  return (light - truth.light).cwiseAbs().maxCoeff() <=
+         light_tolerance * std::max(1.0f, truth.light.cwiseAbs().maxCoeff());
+}
+
+/// Parallel rays go along the view, wherever the disc is.
+Eigen::Vector2d PathCutter::ray_of(const Eigen::Vector3d& center) const {
+  return projection_.orthographic ? Eigen::Vector2d::Zero() : Eigen::Vector2d(center.head<2>() / center.z());
+}
+
+/// From the first to the last on the film, in units of the middle.
+double PathCutter::way_px(const Seen& first, const Seen& middle, const Seen& last) const {
+  const Eigen::Vector3d way = last.center - first.center;
+  return visible_scale(middle.center) * (way.head<2>() - way.z() * ray_of(middle.center)).norm();
+}
+
+/// Whether the path between the three is worth bending, and turns and changes its speed by so little that any
+/// ray sees it once.
+bool PathCutter::bends(const Seen& first, const Seen& middle, const Seen& last) const {
+  if (shape_ != SegmentShape::parabolas) return false;
+  const double bend_px =
+      visible_scale(middle.center) * off_chord(first.center, middle.center, last.center, 0.5).norm();
+  return bend_px > least_bend * tolerance_px_ && bend_px <= most_bend * way_px(first, middle, last);
+}
+
+/// What of the segment's time a ray sees the disc for, or more.
+double PathCutter::seen_share(const Seen& first, const Seen& middle, const Seen& last) const {
+  const Eigen::Vector2d ray = ray_of(middle.center);
+  const FilmEllipse disc({middle.axis_u, middle.axis_v}, ray.x(), ray.y(), visible_scale(middle.center));
+  const double half = 0.5 * disc.trace(), filter_px = scene_.model.filter_radius_px;
+  const double longest = half + std::sqrt(std::max(0.0, half * half - disc.determinant()));
+  return std::min(1.0, 2.0 * std::sqrt(longest + filter_px * filter_px) / way_px(first, middle, last));
+}
+
 // What is not a number is cut no further.
-bool PathCutter::near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const {
-  const Eigen::Vector3d chord = first.center + share * (last.center - first.center);
-  if (looks_change_) {
-    const Eigen::Vector4f light = first.light + static_cast<float>(share) * (last.light - first.light);
-    if ((light - truth.light).cwiseAbs().maxCoeff() >
-        light_tolerance * std::max(1.0f, truth.light.cwiseAbs().maxCoeff()))
-      return false;
-  }
-  return !((chord - truth.center).norm() * visible_scale(truth.center) > tolerance_px_);
+bool PathCutter::near_line(const Seen& first, const Seen& middle, const Seen& last) const {
+  if (!same_light(first, middle, last, 0.5)) return false;
+  const double off_px =
+      off_chord(first.center, middle.center, last.center, 0.5).norm() * visible_scale(middle.center);
+  if (!(off_px > tolerance_px_)) return true;
+  if (!bends(first, middle, last)) return false;
+  const double share = seen_share(first, middle, last);
+  return off_px * share * share <= tolerance_px_;
+}
+
+bool PathCutter::near_path(const Seen& first, const Seen& middle, const Seen& last, const Seen& truth,
+                           double share) const {
+  if (!same_light(first, truth, last, share)) return false;
+  Eigen::Vector3d off = off_chord(first.center, truth.center, last.center, share);
+  if (bends(first, middle, last))
+    off -= 4.0 * share * (1.0 - share) * off_chord(first.center, middle.center, last.center, 0.5);
+  return !(off.norm() * visible_scale(truth.center) > tolerance_px_);
 }
 
 /// The pixel filter is a length in the middle, where it has the size of a pixel.
 bool PathCutter::same_filter(const Seen& end, const Seen& middle) const {
   const double scale = visible_scale(end.center), near = scene_.camera.near;
   if (projection_.orthographic || !(scale > 0.0)) return true;
-  const double tolerance_px = rims_per_path * tolerance_px_, z = end.center.z();
+  const double tolerance_px = filters_per_path * tolerance_px_, z = end.center.z();
   const double filter_px = scene_.model.filter_radius_px;
   if (!filter_may_differ(z, 2.0 * middle.center.z() - z, near, tolerance_px / filter_px)) return true;
   const double true_radius = filter_px / projection_.focal_px * z;
@@ -172,26 +228,25 @@ bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
   if (!same_filter(end, middle)) return false;
   const double scale = visible_scale(middle.center);
   if (!(scale > 0.0)) return true;
-  // Parallel rays go along the view, wherever the disc is.
-  const double x = projection_.orthographic ? 0.0 : middle.center.x() / middle.center.z();
-  const double y = projection_.orthographic ? 0.0 : middle.center.y() / middle.center.z();
-  return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, x, y, scale) >
+  const Eigen::Vector2d ray = ray_of(middle.center);
+  return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, ray.x(), ray.y(), scale) >
            rims_per_path * tolerance_px_);
 }
 
 bool PathCutter::is_one_segment(std::size_t i) {
   const Seen middle = see(i, middle_);
   const Seen first = see(i, at(0, 0)), last = see(i, at(looks_.size() - 1, 1 << finest));
-  if (!near_chord(first, middle, last, 0.5) || !near_middle(first, middle) || !near_middle(last, middle))
+  if (!near_line(first, middle, last) || !near_middle(first, middle) || !near_middle(last, middle))
     return false;
   for (std::size_t span = 0; span < looks_.size(); ++span)
     for (int quarter = span == 0 ? 1 : 0; quarter < 4; ++quarter) {
       const double time = spans_[span] + 0.25 * quarter * (spans_[span + 1] - spans_[span]);
       const Seen truth = see(i, at(span, quarter << (finest - 2)));
-      if (!near_chord(first, truth, last, time) || !near_middle(truth, middle)) return false;
+      if (!near_path(first, middle, last, truth, time) || !near_middle(truth, middle)) return false;
     }
   segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v,
-                       first.light, middle.light, last.light, whole_path});
+                       bends(first, middle, last), first.light, middle.light, last.light, first.axis_u,
+                       first.axis_v, last.axis_u, last.axis_v, first.at, middle.at, last.at, whole_path});
   return true;
 }
 
@@ -199,11 +254,10 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
                        const Seen& last) {
   const int half = (end - begin) / 2, quarter = half / 2;
   const Seen middle = see(i, at(span, begin + half));
-  bool whole =
-      near_chord(first, middle, last, 0.5) && near_middle(first, middle) && near_middle(last, middle);
+  bool whole = near_line(first, middle, last) && near_middle(first, middle) && near_middle(last, middle);
   if (whole)
-    whole = near_chord(first, see(i, at(span, begin + quarter)), last, 0.25) &&
-            near_chord(first, see(i, at(span, end - quarter)), last, 0.75);
+    whole = near_path(first, middle, last, see(i, at(span, begin + quarter)), 0.25) &&
+            near_path(first, middle, last, see(i, at(span, end - quarter)), 0.75);
   if (!whole && end - begin > 1 << (finest - most_halvings)) {
     halve(i, span, begin, begin + half, first, middle);
     halve(i, span, begin + half, end, middle, last);
@@ -211,7 +265,9 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
   }
   const int node = ((1 << finest) + begin) / (end - begin);
   segments_.push_back({time(span, begin), time(span, end), first.center, middle.center, last.center,
-                       middle.axis_u, middle.axis_v, first.light, middle.light, last.light,
+                       middle.axis_u, middle.axis_v, bends(first, middle, last), first.light, middle.light,
+                       last.light, first.axis_u, first.axis_v, last.axis_u, last.axis_v, first.at, middle.at,
+                       last.at,
                        static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)});
 }
 
@@ -231,9 +287,17 @@ PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
           last.center,
           middle.axis_u,
           middle.axis_v,
+          bends(first, middle, last),
           first.light,
           middle.light,
           last.light,
+          first.axis_u,
+          first.axis_v,
+          last.axis_u,
+          last.axis_v,
+          first.at,
+          middle.at,
+          last.at,
           piece};
 }
 

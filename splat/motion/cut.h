@@ -19,26 +19,39 @@ struct PathSegment {
   double begin = 0.0, end = 1.0;
   Eigen::Vector3d first, middle, last;  ///< centres
   Eigen::Vector3d axis_u, axis_v;       ///< in the middle
+  bool bent = false;                    ///< a parabola through the three
   /// Premultiplied; where looks_change() over the exposure, else not set.
   Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
+  /// Axes at the ends.
+  Eigen::Vector3d first_u = Eigen::Vector3d::Zero(), first_v = first_u, last_u = first_u, last_v = first_u;
+  const Instant *at_first = nullptr, *at_middle = nullptr, *at_last = nullptr;  ///< of who cut it
   std::uint32_t piece = 0;  ///< which of all that the path may be cut into
+};
+
+/// What a path is cut into.
+enum class SegmentShape {
+  chords,
+  parabolas,  ///< where they turn by little and each ray sees a small part of one (kernel/bent_kernel.h)
 };
 
 /// Cuts the points of one object.
 class PathCutter {
  public:
   /// The scene and the object must outlive it. Segments run over `exposure`, all rows alike.
-  PathCutter(const Scene& scene, const Object& object, const Exposure& exposure);
+  PathCutter(const Scene& scene, const Object& object, const Exposure& exposure,
+             SegmentShape shape = SegmentShape::chords);
 
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
   /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 0.75
   /// times that from where it is in the middle (rims.h); else halves of it, down to 256 between two corners
-  /// of the path. Nor is the pixel filter of the middle farther than that from the one where it is used.
-  /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Valid until the next
-  /// call. Not for several threads at once.
+  /// of the path. Nor is the pixel filter of the middle 0.6 times that from the one where it is used.
+  /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Of parabolas it is what they are
+  /// off by half-way to the middle that may be as much, and the chord's error there times the square of what
+  /// part of the time a ray sees the disc for. Valid until the next call. Not for several threads at once.
   const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
 
-  /// A segment that cut() has once returned of this point, to the bit. For any threads, while none cuts.
+  /// A segment that cut() has once returned of this point at the tolerance of its last call, to the bit. For
+  /// any threads, while none cuts.
   [[nodiscard]] PathSegment segment(std::size_t i, std::uint32_t piece) const;
 
  private:
@@ -50,6 +63,7 @@ class PathCutter {
   struct Seen {
     Eigen::Vector3d center, axis_u, axis_v;
     Eigen::Vector4f light;  ///< where looks change
+    const Instant* at;
   };
   static constexpr int finest = 10;  ///< halvings of a span at which paths are looked at
   static constexpr int most_halvings = 8;
@@ -59,7 +73,14 @@ class PathCutter {
   [[nodiscard]] Seen see(std::size_t i, const Place& place) const;
   const Place& at(std::size_t span, int index);
   [[nodiscard]] const Place& known(std::size_t span, int index) const;
-  [[nodiscard]] bool near_chord(const Seen& first, const Seen& truth, const Seen& last, double share) const;
+  [[nodiscard]] bool same_light(const Seen& first, const Seen& truth, const Seen& last, double share) const;
+  [[nodiscard]] bool near_line(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] bool near_path(const Seen& first, const Seen& middle, const Seen& last, const Seen& truth,
+                               double share) const;
+  [[nodiscard]] Eigen::Vector2d ray_of(const Eigen::Vector3d& center) const;
+  [[nodiscard]] double way_px(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] bool bends(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] double seen_share(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle) const;
   [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle) const;
   [[nodiscard]] double visible_scale(const Eigen::Vector3d& center) const;
@@ -70,6 +91,7 @@ class PathCutter {
   const Scene& scene_;
   const Object& object_;
   Exposure exposure_;
+  SegmentShape shape_;
   Projection projection_;
   bool looks_change_;
   double tolerance_px_ = 0.1;

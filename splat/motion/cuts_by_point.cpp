@@ -55,7 +55,7 @@ bool filter_changes(const Scene& scene, const Object& object, const Exposure& ex
   std::vector<double> frames = path_corners(object.cloud, exposure.open, exposure.close);
   frames.insert(frames.begin(), exposure.open);
   frames.push_back(exposure.close);
-  const double least = rims_per_path * path_tolerance_px(scene) / scene.model.filter_radius_px;
+  const double least = filters_per_path * path_tolerance_px(scene) / scene.model.filter_radius_px;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const auto at = [&](double frame) {
       return instant_at(scene, object, exposure, exposure.share_at(frame));

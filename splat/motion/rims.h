@@ -16,6 +16,8 @@ struct DiscAxes {
 /// What rims may be off by where paths may be by 1: a chord's error is made good in the mean (build_kernels),
 /// that of axes and filters that stand still is not.
 inline constexpr double rims_per_path = 0.75;
+/// What filters may be off by.
+inline constexpr double filters_per_path = 0.6;
 
 /// The outline of a disc, or of its cut-off, on the film: the matrix of its covariance, px².
 struct FilmEllipse {

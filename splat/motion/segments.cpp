@@ -120,7 +120,7 @@ int choose_segments(const Scene& scene, const Object& object, const Exposure& ex
 
 int most_segments(const Scene& scene, const Object& object, const Exposure& exposure) {
   if (!cuts_by_point(scene, object, exposure)) return linear_segments(scene, object, exposure);
-  PathCutter cutter(scene, object, exposure.of_all_rows(scene.film.height));
+  PathCutter cutter(scene, object, exposure.of_all_rows(scene.film.height), SegmentShape::parabolas);
   const SurfelCloud& cloud = object.cloud;
   const std::size_t stride = (cloud.size() + sample_size - 1) / sample_size;
   std::size_t most = 1;
