@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 #include "abuffer/parallel.h"
 #include "abuffer/progress_of.h"
 #include "abuffer/render_valid.h"
+#include "abuffer/resolve/cell_image.h"
 #include "abuffer/resolve/sample_plan.h"
 #include "abuffer/resolve/sampled_cell.h"
 #include "abuffer/simd/sampled_math.h"
@@ -117,7 +117,6 @@ class Renderer {
   /// Cells of the window, and how much error each that moves may have.
   void plan() {
     double moving_px = 0.0, shares = 0.0;
-    const Image& image = *image_;
     allowed_squares_.assign(bins_->cell_count(), 0.0);
     for (std::size_t c = 0; c < bins_->cell_count(); ++c) {
       const Cell cell = bins_->cell(c);
@@ -131,9 +130,7 @@ class Renderer {
         allowed_squares_[c] = error_share(px, packets.size(), looks);
         shares += allowed_squares_[c];
       }
-      if (cell.x < image.x + image.width && cell.x + cell.width > image.x &&
-          cell.y < image.y + image.height && cell.y + cell.height > image.y)
-        window_cells_.push_back(c);
+      if (in_window(cell, *image_)) window_cells_.push_back(c);
     }
     // What stands still has no error, so that what moves may have more.
     const double film_px = double{1.0} * scene_.film.width * scene_.film.height;
@@ -169,8 +166,15 @@ class Renderer {
     finish_cell(i, renderer);
   }
 
+  /// Where little light comes in, much of the motion is in little of the light's time: a pixel of motion is
+  /// then no measure of how errors fall.
+  [[nodiscard]] bool foreseen() const { return !lens_.any() && !exposure_.curve; }
   [[nodiscard]] int first_of(float motion_px, double error_db) const {
-    return first_instants(motion_px, error_db, lens_.any() ? other_instants_per_px : disc_instants_per_px);
+    return first_instants(motion_px, error_db, foreseen() ? disc_instants_per_px : other_instants_per_px);
+  }
+  [[nodiscard]] ErrorEstimate estimate_of(const SampledCell& renderer, int count, float motion_px) const {
+    return foreseen() ? ErrorEstimate(renderer.squares(), count, motion_px)
+                      : ErrorEstimate(renderer.squares(), count, ErrorEstimate::of_edges);
   }
 
   /// Cells of a single row say too little about their error: those of a square share their number of
@@ -217,8 +221,9 @@ class Renderer {
         std::optional<ErrorEstimate> estimate;
         if (count > 1)
           squares += estimate
-                         .emplace(renderer.squares(), count,
-                                  exposure_.instant() ? 0.0f : typical_motion(*bins_, bins_->packets(row)))
+                         .emplace(estimate_of(
+                             renderer, count,
+                             exposure_.instant() ? 0.0f : typical_motion(*bins_, bins_->packets(row))))
                          .squares();
         const std::size_t i = window_index[row];
         if (i >= window_cells_.size()) continue;
@@ -259,7 +264,7 @@ class Renderer {
       renderer.add(*table.at(2 * k + 1, 2 * cell.count, row), weights);
     }
     cell.instants = cell.count;
-    if (estimated) cell.estimate.emplace(renderer.squares(), cell.count, motion);
+    if (estimated) cell.estimate = estimate_of(renderer, cell.count, motion);
   }
 
   /// The first looks through the lens. Of given points each at instants of its own, as many in all as it
@@ -393,37 +398,15 @@ class Renderer {
     return cells(scene_.film.width) * cells(scene_.film.height) * cell_px * cell_px * 5 * sizeof(double);
   }
 
-  /// body(place in the cell, place in the image) for the cell's pixels in the window.
-  template <class Body>
-  void for_each_pixel(std::size_t i, const Body& body) const {
-    const Cell cell = bins_->cell(window_cells_[i]);
-    const Image& image = *image_;
-    for (int y = std::max(cell.y, image.y); y < std::min(cell.y + cell.height, image.y + image.height); ++y)
-      for (int x = std::max(cell.x, image.x); x < std::min(cell.x + cell.width, image.x + image.width); ++x)
-        body(static_cast<std::size_t>((y - cell.y) * cell_px + (x - cell.x)),
-             static_cast<std::size_t>(y - image.y) * static_cast<std::size_t>(image.width) +
-                 static_cast<std::size_t>(x - image.x));
-  }
-
   void store(std::size_t i, const CellImage& pixels) {
-    Image& image = *image_;
-    for_each_pixel(i, [&](std::size_t from, std::size_t to) {
-      const double* rgba = &pixels.rgba[4 * from];
-      const double left = std::max(0.0, 1.0 - rgba[3]);
-      for (std::size_t c = 0; c < 4; ++c)
-        image.rgba[4 * to + c] =
-            static_cast<float>(rgba[c] + left * double{scene_.background[static_cast<int>(c)]});
-      image.depth[to] = rgba[3] > 0.0 ? static_cast<float>(pixels.depth[from] / rgba[3])
-                                      : std::numeric_limits<float>::infinity();
-    });
+    store_cell(bins_->cell(window_cells_[i]), pixels, scene_.background, *image_);
   }
 
   void store_error(std::size_t i, const SampledCell& renderer) {
     if (!progress_[i].estimate) return;
-    std::vector<float>& error = image_->channels.front().values;
     thread_local std::vector<float> squares;
     renderer.alternating_squares(progress_[i].estimate->per_alternating(), squares);
-    for_each_pixel(i, [&](std::size_t from, std::size_t to) { error[to] = std::sqrt(squares[from] / 3.0f); });
+    store_cell_error(bins_->cell(window_cells_[i]), squares, *image_, image_->channels.front().values);
   }
 
   void describe(const std::vector<PointPackets>& objects, const SampledCounters& total,

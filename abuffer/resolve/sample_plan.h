@@ -63,6 +63,8 @@ class ErrorEstimate {
     double of_few, of;  ///< fall by so much, others by that
     double most;        ///< and at most by this
   };
+  /// Of discs whose motion is uneven in the light's time.
+  static constexpr LeastFall of_edges = {12, 0.25, 0.15, 1.0};
   /// Passing splats are bells, and fall faster and faster; those that change their order jump.
   static constexpr LeastFall of_splats = {4, 0.2, 0.15, 1.0};
   /// Halves of looks through a lens are each as good as so many looks are. With the square of their error
@@ -71,7 +73,7 @@ class ErrorEstimate {
   static constexpr LeastFall of_lens = {0, 0.55, 0.55, 0.55};
 
   ErrorEstimate(const SampledCell::Squares& squares, int count, const LeastFall& least);
-  /// Of discs that move so far: as expected_fall() has it.
+  /// Of discs that move so far, evenly in the light's time: as expected_fall() has it.
   ErrorEstimate(const SampledCell::Squares& squares, int count, float motion_px);
   /// After the instants were doubled to `count`, and the alternating sums with them.
   void refine(const SampledCell::Squares& squares, int count);

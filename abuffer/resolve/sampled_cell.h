@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "abuffer/resolve/cell_image.h"
 #include "abuffer/sources/object_instant.h"
 #include "abuffer/tiles/cells.h"
 #include "abuffer/tiles/point_lists.h"
@@ -27,13 +28,6 @@ struct SampledCounters {
     general_discs += other.general_discs;
     fragments_behind += other.fragments_behind;
   }
-};
-
-/// What the pixels of a cell add up to: over instants of weight 1 in all, premultiplied, without a
-/// background.
-struct CellImage {
-  std::vector<double> rgba;   ///< 4 per pixel of cell_px × cell_px
-  std::vector<double> depth;  ///< weighted by alpha
 };
 
 /// A thread's: memory is kept from cell to cell.

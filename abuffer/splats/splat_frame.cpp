@@ -13,6 +13,7 @@
 
 #include "abuffer/lens_looks.h"
 #include "abuffer/parallel.h"
+#include "abuffer/resolve/cell_image.h"
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/film_surfaces.h"
 #include "abuffer/splats/splat_cell.h"
@@ -59,7 +60,7 @@ class SplatFrame {
     out.statistics.time("packets", watch.lap());
     if (options_.error_channel)
       out.image.channels.push_back({"error", std::vector<float>(out.image.pixel_count())});
-    look_through_window();
+    for (std::size_t c = 0; c < grid_.size(); ++c) window_.push_back(in_window(grid_.cell(c), out.image));
     standing_ = SplatRow(scene_, sets_, false, exposure_.open, math_, grid_, window_);
     plan_ = plan_splats(
         {scene_, options_, exposure_, grid_, math_, lens_, sets_, *surfaces_, painters_, window_});
@@ -84,15 +85,6 @@ class SplatFrame {
   static std::size_t implementation_of(const SampledOptions& options, std::size_t count) {
     return options.implementation < 0 ? count - 1
                                       : std::min(static_cast<std::size_t>(options.implementation), count - 1);
-  }
-
-  void look_through_window() {
-    const Image& image = *image_;
-    for (std::size_t c = 0; c < grid_.size(); ++c) {
-      const Cell cell = grid_.cell(c);
-      window_.push_back(cell.x < image.x + image.width && cell.x + cell.width > image.x &&
-                        cell.y < image.y + image.height && cell.y + cell.height > image.y);
-    }
   }
 
   [[nodiscard]] bool render_round();
