@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "abuffer/simd/edge_math.h"
 #include "abuffer/sources/moving_mesh.h"
 #include "splat/interval/edge_function.h"
 #include "splat/interval/pixel_places.h"
@@ -52,6 +53,17 @@ class TriangleStretch {
   void meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
             std::vector<PlaceInterval>& out) const;
 
+  /// Whether EdgeMath may look at all places of a pixel at once.
+  [[nodiscard]] bool straight() const { return degree_ == 1 && !cut_; }
+  [[nodiscard]] StraightEdges straight_edges() const {
+    return {{edge_[0].normal(0).data(), edge_[1].normal(0).data(), edge_[2].normal(0).data()},
+            shows_above_,
+            shows_below_};
+  }
+  /// What meet() appends, of place `k` of a pixel of which EdgeMath has found when it meets this.
+  void keep(const Eigen::Vector3d& ray, double from, double to, const MetPlaces& met, std::uint32_t k,
+            std::uint32_t place, std::uint32_t source, std::vector<PlaceInterval>& out) const;
+
   /// The depth over the stretch as a quotient, `above` of 3n + 1 coefficients in Bernstein form and `below`
   /// of 2n + 1; returns n, the degree of the paths.
   int depth(const Eigen::Vector3d& ray, double* above, double* below) const {
@@ -82,6 +94,9 @@ class TriangleStretch {
   template <int n>
   void meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
                std::vector<PlaceInterval>& out) const;
+  template <int n>
+  void keep_of(const Eigen::Vector3d& ray, double from, double to, double first, double last,
+               std::uint32_t place, std::uint32_t source, std::vector<PlaceInterval>& out) const;
   template <int n>
   [[nodiscard]] Look look_of(const Eigen::Vector3d& ray, double time) const;
 
