@@ -24,11 +24,33 @@ struct MetPlaces {
   alignas(64) double first[2][pixel_places], last[2][pixel_places];
 };
 
+/// Depths of triangles on straight paths while a ray meets them.
+struct DepthChords {
+  static constexpr int most = 8;
+
+  alignas(64) double since[most];  ///< of the triangle's stretch
+  alignas(64) double until[most];
+  alignas(64) double begin[most];  ///< of the time at which the ray meets it
+  alignas(64) double end[most];
+  alignas(64) double above[4][most];  ///< depths over the stretch are quotients of these, Bernstein form
+  alignas(64) double below[3][most];
+  alignas(64) double nearest[most];  ///< depths are clamped to these
+  alignas(64) double farthest[most];
+  // What is found:
+  alignas(64) double z_begin[most];  ///< as that time begins, half-way, and as it ends
+  alignas(64) double z_middle[most];
+  alignas(64) double z_end[most];
+  alignas(64) double bow[most];  ///< u of the way depths are off the chord by u (1 − u) times that at most
+  alignas(64) double per_time[most];  ///< 1 over how long that time is
+};
+
 struct EdgeMath {
   const char* name;
 
   /// Rays are (x, y, 1). What `met` has of other places than it names is anything.
   void (*meet)(const StraightEdges& edges, const double* x, const double* y, MetPlaces& met);
+  /// Of all of them; what cannot be told has a bow of infinity.
+  void (*chords)(DepthChords& chords);
 };
 
 /// Those this processor can run, the plain one first and the fastest last.

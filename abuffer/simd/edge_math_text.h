@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "abuffer/simd/chord_math_text.h"
 #include "abuffer/simd/edge_math.h"
 
 namespace swept {
@@ -100,8 +101,8 @@ void meet_text(const StraightEdges& edges, const double* x, const double* y, Met
 }  // namespace
 }  // namespace swept
 
-#define SWEPT_DEFINE_EDGE_MATH(variable, text_name) \
-  namespace swept {                                 \
-  extern const EdgeMath variable;                   \
-  const EdgeMath variable = {text_name, meet_text}; \
+#define SWEPT_DEFINE_EDGE_MATH(variable, text_name)              \
+  namespace swept {                                              \
+  extern const EdgeMath variable;                                \
+  const EdgeMath variable = {text_name, meet_text, chords_text}; \
   }

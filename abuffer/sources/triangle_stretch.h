@@ -72,6 +72,14 @@ class TriangleStretch {
     for (int k = 0; k <= 2 * degree_; ++k) below[k] = at(below_[k]);
     return degree_;
   }
+  [[nodiscard]] bool on_lines() const { return degree_ == 1; }
+  /// The same for paths of degree 1, into one lane of these.
+  void depth(const Eigen::Vector3d& ray, int lane, DepthChords& chords) const {
+    const double x = ray.x(), y = ray.y();
+    const auto at = [&](const Eigen::Vector3d& of) { return of.x() * x + (of.y() * y + of.z()); };
+    for (int k = 0; k < 4; ++k) chords.above[k][lane] = at(above_[k]);
+    for (int k = 0; k < 3; ++k) chords.below[k][lane] = at(below_[k]);
+  }
   [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
 
   struct Look {
