@@ -1,7 +1,8 @@
 // When the places of a pixel meet a triangle on straight paths, all at once: held to what each finds by
 // itself, bit by bit, for every instruction set.
-#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <random>
 #include <vector>
 
@@ -64,7 +65,7 @@ class PlacesAtOnce : public testing::Test {
       if (!stretch.straight()) continue;
       ++counts.triangles;
       const double from = uniform(0.0, 0.3), to = uniform(0.7, 1.0);
-      const auto maths = edge_maths();
+      const EdgeMaths maths = edge_maths();
       for (std::size_t m = 0; m < maths.count; ++m) {
         MetPlaces met;
         maths.first[m].meet(stretch.straight_edges(), x, y, met);
@@ -115,13 +116,70 @@ TEST_F(PlacesAtOnce, DoSoOnEdgesToo) {
   EXPECT_GT(counts.unknown, 0);
 }
 
+/// Depths lie within the chord's bow, ends and middle on them, and every instruction set says the same.
+TEST_F(PlacesAtOnce, HoldDepthsByTheirChords) {
+  int intervals = 0, straight = 0, bent = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Scene scene;
+    scene.shutter = {0.0, 1.0};
+    scene.objects = {triangle(2.0, 4.0, false, true)};
+    const Result<MovingMesh> mesh = MovingMesh::follow(scene, scene.objects[0], scene.exposure(), 0.01, {});
+    ASSERT_TRUE(mesh.ok());
+    const TriangleStretch stretch(*mesh, 0, 0, 0, scene.camera.near);
+    ASSERT_TRUE(stretch.on_lines());
+    const Eigen::Vector3d ray(uniform(-pixel, pixel), uniform(-pixel, pixel), 1.0);
+    std::vector<PlaceInterval> found;
+    stretch.meet(ray, uniform(0.0, 0.5), 1.0, 0, 0, found);
+    for (const PlaceInterval& interval : found) {
+      DepthChords chords{};
+      for (int lane = 0; lane < DepthChords::most; ++lane) {
+        // One after another of the interval's parts, the last of which is all of it.
+        const double shorter = lane + 1 < DepthChords::most ? 0.1 * lane : 0.0;
+        chords.since[lane] = stretch.begin, chords.until[lane] = stretch.end;
+        chords.begin[lane] = interval.begin + shorter * (interval.end - interval.begin);
+        chords.end[lane] = interval.end;
+        chords.nearest[lane] = double{interval.nearest}, chords.farthest[lane] = double{interval.farthest};
+        stretch.depth(ray, lane, chords);
+      }
+      const EdgeMaths maths = edge_maths();
+      DepthChords plain = chords;
+      maths.first[0].chords(plain);
+      for (std::size_t m = 1; m < maths.count; ++m) {
+        DepthChords other = chords;
+        maths.first[m].chords(other);
+        EXPECT_EQ(std::memcmp(&other, &plain, sizeof plain), 0) << maths.first[m].name;
+      }
+      ++intervals;
+      for (int lane = 0; lane < DepthChords::most; ++lane) {
+        if (!std::isfinite(plain.bow[lane])) continue;
+        (plain.bow[lane] > 1e-4 ? bent : straight)++;
+        EXPECT_DOUBLE_EQ(plain.per_time[lane], 1.0 / (plain.end[lane] - plain.begin[lane]));
+        for (int k = 0; k <= 8; ++k) {
+          const double u = k / 8.0,
+                       z = stretch.look(ray, plain.begin[lane] + u * (plain.end[lane] - plain.begin[lane]))
+                               .depth,
+                       chord = plain.z_begin[lane] + u * (plain.z_end[lane] - plain.z_begin[lane]);
+          // Rounding is larger where a triangle is seen from its edge, and its bow is, too.
+          const double rounding = 1e-7 * (z + plain.bow[lane]);
+          EXPECT_LE(std::abs(z - chord), u * (1.0 - u) * plain.bow[lane] + rounding);
+          if (k != 4) continue;
+          EXPECT_NEAR(z, plain.z_middle[lane], rounding);
+        }
+      }
+    }
+  }
+  EXPECT_GT(intervals, 300);
+  EXPECT_GT(straight, 100);
+  EXPECT_GT(bent, 100);
+}
+
 /// Of coefficients whose squares are out of range nothing is said.
 TEST_F(PlacesAtOnce, LeaveTheVerySmallAndTheVeryLargeAlone) {
   for (const double size : {1e-160, 1e160, std::nan("")}) {
     const double normals[9] = {size, 0.0, size, size, 0.0, -size, size, 0.0, size};
     double x[pixel_places], y[pixel_places];
     for (int k = 0; k < pixel_places; ++k) x[k] = y[k] = 0.001 * k;
-    const auto maths = edge_maths();
+    const EdgeMaths maths = edge_maths();
     for (std::size_t m = 0; m < maths.count; ++m) {
       MetPlaces met;
       maths.first[m].meet({{normals, normals, normals}, true, true}, x, y, met);
