@@ -180,12 +180,21 @@ bool MeshFragments::gather_entry(const Window& window, const MeshBins::Entry& en
 
 void MeshFragments::meet_pixel(const TriangleStretch& triangle, const RaysOfPixel& rays,
                                const LightOverTime& light, std::uint32_t place, float nearest) {
-  for (std::uint32_t places = triangle.may_meet(rays); places != 0; places &= places - 1) {
+  MetPlaces met;
+  met.above = met.below = 0;
+  if (triangle.straight())
+    edge_math_.meet(triangle.straight_edges(), rays.x, rays.y, met);
+  else
+    met.unknown = triangle.may_meet(rays);
+  const auto source = static_cast<std::uint32_t>(triangles_.size());
+  for (std::uint32_t places = met.above | met.below | met.unknown; places != 0; places &= places - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(places));
     if (film_.tile_tests && cover_.hides_place(triangle.mesh, place + k, nearest)) continue;
     const std::size_t before = intervals_.size();
-    triangle.meet(rays[k], light.from(), light.to(), place + k, static_cast<std::uint32_t>(triangles_.size()),
-                  intervals_);
+    if ((met.unknown >> k & 1) != 0)
+      triangle.meet(rays[k], light.from(), light.to(), place + k, source, intervals_);
+    else
+      triangle.keep(rays[k], light.from(), light.to(), met, k, place + k, source, intervals_);
     if (!triangle.opaque) continue;
     for (std::size_t i = before; i < intervals_.size(); ++i)
       cover_.add(triangle.mesh, place + k, intervals_[i].begin, intervals_[i].end, intervals_[i].farthest,

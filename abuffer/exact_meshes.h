@@ -78,6 +78,7 @@ class MeshFragments final : public FragmentSource {
   void merge_places();
 
   const MeshFilm& film_;
+  const EdgeMath& edge_math_ = edge_maths().fastest();
   LossyIntervals lossy_;
   TileCover cover_;
   BlockTests blocks_;

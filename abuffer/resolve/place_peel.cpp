@@ -81,6 +81,7 @@ void PlacePeel::add(std::span<PlaceInterval> intervals, const std::vector<Triang
   std::sort(intervals.begin(), intervals.end(), [](const PlaceInterval& a, const PlaceInterval& b) {
     return std::tie(a.begin, a.source, a.end) < std::tie(b.begin, b.source, b.end);
   });
+  make_layers(intervals);
   const auto later = [&](std::uint32_t a, std::uint32_t b) {
     return std::tie(layers_[a].begin, layers_[a].source) > std::tie(layers_[b].begin, layers_[b].source);
   };
@@ -94,7 +95,7 @@ void PlacePeel::add(std::span<PlaceInterval> intervals, const std::vector<Triang
       cut_off_.pop_back();
       insert(layer);
     } else {
-      insert(layer_of(intervals[next++]));
+      insert(static_cast<std::uint32_t>(next++));
     }
     if (!cut_off_.empty() && cut_off_.back() >= known)
       std::push_heap(cut_off_.begin(), cut_off_.end(), later);
@@ -104,7 +105,34 @@ void PlacePeel::add(std::span<PlaceInterval> intervals, const std::vector<Triang
     if (!take(i, sum)) break;
 }
 
-std::uint32_t PlacePeel::layer_of(const PlaceInterval& interval) {
+/// Those of straight paths together.
+void PlacePeel::make_layers(std::span<const PlaceInterval> intervals) {
+  for (std::size_t first = 0; first < intervals.size();) {
+    int count = 0;
+    for (; count < DepthChords::most && first + count < intervals.size(); ++count) {
+      const PlaceInterval& interval = intervals[first + count];
+      const TriangleStretch& triangle = (*triangles_)[interval.source];
+      if (!triangle.on_lines()) break;
+      chords_.since[count] = triangle.begin;
+      chords_.until[count] = triangle.end;
+      chords_.begin[count] = interval.begin;
+      chords_.end[count] = interval.end;
+      chords_.nearest[count] = double{interval.nearest};
+      chords_.farthest[count] = double{interval.farthest};
+      triangle.depth(*ray_, count, chords_);
+    }
+    if (count == 0) {
+      make_layer(intervals[first++]);
+      continue;
+    }
+    math_.chords(chords_);
+    for (int i = 0; i < count; ++i)
+      put_layer(intervals[first++], chords_.per_time[i], chords_.z_begin[i], chords_.z_middle[i],
+                chords_.z_end[i], chords_.bow[i]);
+  }
+}
+
+void PlacePeel::make_layer(const PlaceInterval& interval) {
   const TriangleStretch& triangle = (*triangles_)[interval.source];
   double above[3 * most_path_degree + 1], below[2 * most_path_degree + 1];
   const int degree = triangle.depth(*ray_, above, below);
@@ -119,15 +147,18 @@ std::uint32_t PlacePeel::layer_of(const PlaceInterval& interval) {
     if (within != *z) chord.bow = std::numeric_limits<double>::infinity();
     *z = within;
   }
-  const double low = std::min(chord.z_begin, chord.z_end) - 0.25 * chord.bow,
-               high = std::max(chord.z_begin, chord.z_end) + 0.25 * chord.bow;
+  put_layer(interval, 1.0 / (interval.end - interval.begin), chord.z_begin, chord.z_middle, chord.z_end,
+            chord.bow);
+}
+
+void PlacePeel::put_layer(const PlaceInterval& interval, double per_time, double z_begin, double z_middle,
+                          double z_end, double bow) {
+  const double low = std::min(z_begin, z_end) - 0.25 * bow, high = std::max(z_begin, z_end) + 0.25 * bow;
   // A float's rounding.
   const float nearest = std::max(interval.nearest, static_cast<float>(low - 1e-6 * std::abs(low))),
               farthest = std::min(interval.farthest, static_cast<float>(high + 1e-6 * std::abs(high)));
   layers_.push_back({interval.begin, interval.end, nearest, farthest, interval.source, none, none, none,
-                     interval.begin, interval.end, 1.0 / (interval.end - interval.begin), chord.z_begin,
-                     chord.z_middle, chord.z_end, chord.bow});
-  return static_cast<std::uint32_t>(layers_.size() - 1);
+                     interval.begin, interval.end, per_time, z_begin, z_middle, z_end, bow});
 }
 
 const PlaceDepth& PlacePeel::depth(std::uint32_t layer) {

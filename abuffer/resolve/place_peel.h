@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "abuffer/resolve/place_light.h"
+#include "abuffer/simd/edge_math.h"
 
 namespace swept {
 
@@ -59,7 +60,10 @@ class PlacePeel {
     double end, left;
   };
 
-  [[nodiscard]] std::uint32_t layer_of(const PlaceInterval& interval);
+  void make_layers(std::span<const PlaceInterval> intervals);
+  void make_layer(const PlaceInterval& interval);
+  void put_layer(const PlaceInterval& interval, double per_time, double z_begin, double z_middle,
+                 double z_end, double bow);
   void insert(std::uint32_t layer);
   /// Where `one`, from its begin on, is of `other`, up to `until`, which may become sooner: there it passes
   /// through.
@@ -72,7 +76,9 @@ class PlacePeel {
   const Eigen::Vector3d* ray_ = nullptr;
   const LightOverTime* light_ = nullptr;
   PlaceCounters* counters_ = nullptr;
-  std::vector<Layer> layers_;
+  const EdgeMath& math_ = edge_maths().fastest();
+  DepthChords chords_{};
+  std::vector<Layer> layers_;  ///< of intervals, in their order, and then of what was cut off
   std::vector<PlaceDepth> depths_;
   std::vector<std::uint32_t> active_;   ///< that are there as the last one begins, from the nearest on
   std::vector<std::uint32_t> cut_off_;  ///< to be inserted, a heap, the soonest first

@@ -197,6 +197,47 @@ std::uint32_t TriangleStretch::may_meet_of(const RaysOfPixel& rays) const {
   return may;
 }
 
+/// From `first` to `last` of the stretch it is met: by its corners, who hold it, or by the quotient, which
+/// lies within those of its coefficients where the divisors have one sign.
+template <int n>
+void TriangleStretch::keep_of(const Eigen::Vector3d& ray, double from, double to, double first, double last,
+                              std::uint32_t place, std::uint32_t source,
+                              std::vector<PlaceInterval>& out) const {
+  const auto time = [&](double t) {
+    return t <= 0.0 ? begin : t >= 1.0 ? end : std::clamp(begin + t * (end - begin), begin, end);
+  };
+  const double time_a = std::max(from, time(first)), time_b = std::min(to, time(last));
+  if (!(time_a < time_b)) return;
+  const double a = std::clamp(local(time_a), 0.0, 1.0), b = std::clamp(local(time_b), a, 1.0);
+  double low = INFINITY, high = -INFINITY;
+  for (const Bernstein& corner : z_)
+    for (const double z : fixed<n>(corner).part(a, b).c) low = std::min(low, z), high = std::max(high, z);
+  low = std::max(low - 1e-12 * std::abs(low), nearest_);
+  high = std::min(high + 1e-12 * std::abs(high), farthest_);
+  // Layers that are peeled off find closer bounds by themselves.
+  if (high - low > flat_enough * low && (opaque || !plain)) {
+    const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
+                                        edge_at<n>(edge_[2], ray)};
+    const DepthOf<n> depth(e, z_);
+    const FixedBernstein<2 * n> divisors = depth.below.part(a, b);
+    if (divisors.side() != 0) {
+      const FixedBernstein<3 *n> over = depth.above.part(a, b), under = raised_to<3 * n>(divisors);
+      double least = INFINITY, most = -INFINITY;
+      for (int k = 0; k <= 3 * n; ++k) {
+        const double z = over.c[k] / under.c[k];
+        least = std::min(least, z);
+        most = std::max(most, z);
+      }
+      // Their rounding, and a float's.
+      const double slack = 1e-6 * std::max(std::abs(least), std::abs(most));
+      low = std::max(low, least - slack);
+      high = std::min(high, most + slack);
+    }
+  }
+  out.push_back({place, source, time_a, time_b, static_cast<float>(low - 1e-6 * std::abs(low)),
+                 static_cast<float>(high + 1e-6 * std::abs(high))});
+}
+
 template <int n>
 void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place,
                               std::uint32_t source, std::vector<PlaceInterval>& out) const {
@@ -211,42 +252,7 @@ void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to
   if ((above || !shows_below_) && (below || !shows_above_)) return;
   const Sides sides[3] = {sides_of<n>(e[0], edge_[0], ray), sides_of<n>(e[1], edge_[1], ray),
                           sides_of<n>(e[2], edge_[2], ray)};
-  const auto time = [&](double t) {
-    return t <= 0.0 ? begin : t >= 1.0 ? end : std::clamp(begin + t * (end - begin), begin, end);
-  };
-  // Of what is kept: by its corners, who hold it, or by the quotient, which lies within those of its
-  // coefficients where the divisors have one sign.
-  const auto keep = [&](double a, double b) {
-    const double time_a = std::max(from, time(a)), time_b = std::min(to, time(b));
-    if (!(time_a < time_b)) return;
-    const double first = std::clamp(local(time_a), 0.0, 1.0), last = std::clamp(local(time_b), first, 1.0);
-    double low = INFINITY, high = -INFINITY;
-    for (const Bernstein& corner : z_)
-      for (const double z : fixed<n>(corner).part(first, last).c)
-        low = std::min(low, z), high = std::max(high, z);
-    low = std::max(low - 1e-12 * std::abs(low), nearest_);
-    high = std::min(high + 1e-12 * std::abs(high), farthest_);
-    // Layers that are peeled off find closer bounds by themselves.
-    if (high - low > flat_enough * low && (opaque || !plain)) {
-      const DepthOf<n> depth(e, z_);
-      const FixedBernstein<2 * n> divisors = depth.below.part(first, last);
-      if (divisors.side() != 0) {
-        const FixedBernstein<3 *n> over = depth.above.part(first, last), under = raised_to<3 * n>(divisors);
-        double least = INFINITY, most = -INFINITY;
-        for (int k = 0; k <= 3 * n; ++k) {
-          const double z = over.c[k] / under.c[k];
-          least = std::min(least, z);
-          most = std::max(most, z);
-        }
-        // Their rounding, and a float's.
-        const double slack = 1e-6 * std::max(std::abs(least), std::abs(most));
-        low = std::max(low, least - slack);
-        high = std::min(high, most + slack);
-      }
-    }
-    out.push_back({place, source, time_a, time_b, static_cast<float>(low - 1e-6 * std::abs(low)),
-                   static_cast<float>(high + 1e-6 * std::abs(high))});
-  };
+  const auto keep = [&](double a, double b) { keep_of<n>(ray, from, to, a, b, place, source, out); };
   int at[3] = {0, 0, 0};
   double first = 0.0;
   while (first < 1.0) {
@@ -339,6 +345,18 @@ void TriangleStretch::meet(const Eigen::Vector3d& ray, double from, double to, s
   if (degree_ == 1) return meet_of<1>(ray, from, to, place, source, out);
   if (degree_ == 2) return meet_of<2>(ray, from, to, place, source, out);
   meet_of<3>(ray, from, to, place, source, out);
+}
+
+void TriangleStretch::keep(const Eigen::Vector3d& ray, double from, double to, const MetPlaces& met,
+                           std::uint32_t k, std::uint32_t place, std::uint32_t source,
+                           std::vector<PlaceInterval>& out) const {
+  from = std::max(from, begin);
+  to = std::min(to, end);
+  if (!(from < to)) return;
+  const std::uint32_t on[2] = {met.above >> k & 1, met.below >> k & 1};
+  const int sooner = on[0] != 0 && (on[1] == 0 || met.first[0][k] < met.first[1][k]) ? 0 : 1;
+  for (const int side : {sooner, 1 - sooner})
+    if (on[side] != 0) keep_of<1>(ray, from, to, met.first[side][k], met.last[side][k], place, source, out);
 }
 
 TriangleStretch::Look TriangleStretch::look(const Eigen::Vector3d& ray, double time) const {

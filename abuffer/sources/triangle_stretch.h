@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "abuffer/simd/edge_math.h"
 #include "abuffer/sources/moving_mesh.h"
 #include "splat/interval/edge_function.h"
 #include "splat/interval/pixel_places.h"
@@ -52,6 +53,17 @@ class TriangleStretch {
   void meet(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
             std::vector<PlaceInterval>& out) const;
 
+  /// Whether EdgeMath may look at all places of a pixel at once.
+  [[nodiscard]] bool straight() const { return degree_ == 1 && !cut_; }
+  [[nodiscard]] StraightEdges straight_edges() const {
+    return {{edge_[0].normal(0).data(), edge_[1].normal(0).data(), edge_[2].normal(0).data()},
+            shows_above_,
+            shows_below_};
+  }
+  /// What meet() appends, of place `k` of a pixel of which EdgeMath has found when it meets this.
+  void keep(const Eigen::Vector3d& ray, double from, double to, const MetPlaces& met, std::uint32_t k,
+            std::uint32_t place, std::uint32_t source, std::vector<PlaceInterval>& out) const;
+
   /// The depth over the stretch as a quotient, `above` of 3n + 1 coefficients in Bernstein form and `below`
   /// of 2n + 1; returns n, the degree of the paths.
   int depth(const Eigen::Vector3d& ray, double* above, double* below) const {
@@ -59,6 +71,14 @@ class TriangleStretch {
     for (int k = 0; k <= 3 * degree_; ++k) above[k] = at(above_[k]);
     for (int k = 0; k <= 2 * degree_; ++k) below[k] = at(below_[k]);
     return degree_;
+  }
+  [[nodiscard]] bool on_lines() const { return degree_ == 1; }
+  /// The same for paths of degree 1, into one lane of these.
+  void depth(const Eigen::Vector3d& ray, int lane, DepthChords& chords) const {
+    const double x = ray.x(), y = ray.y();
+    const auto at = [&](const Eigen::Vector3d& of) { return of.x() * x + (of.y() * y + of.z()); };
+    for (int k = 0; k < 4; ++k) chords.above[k][lane] = at(above_[k]);
+    for (int k = 0; k < 3; ++k) chords.below[k][lane] = at(below_[k]);
   }
   [[nodiscard]] double local(double time) const { return (time - begin) / (end - begin); }
 
@@ -82,6 +102,9 @@ class TriangleStretch {
   template <int n>
   void meet_of(const Eigen::Vector3d& ray, double from, double to, std::uint32_t place, std::uint32_t source,
                std::vector<PlaceInterval>& out) const;
+  template <int n>
+  void keep_of(const Eigen::Vector3d& ray, double from, double to, double first, double last,
+               std::uint32_t place, std::uint32_t source, std::vector<PlaceInterval>& out) const;
   template <int n>
   [[nodiscard]] Look look_of(const Eigen::Vector3d& ray, double time) const;
 

@@ -99,9 +99,14 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
         Scene scene = of.scene;
         scene.film = {side, side, 0, 0, 0, 0};
         for (Object& object : scene.objects)
-          if (opacity < 1.0)
+          if (opacity < 1.0) {
+            // White: looks that change, as normals do, hold in place of opacities.
+            object.cloud.looks.clear();
+            object.cloud.color.clear();
+            object.cloud.opacity.clear();
             for (std::size_t i = 0; i < object.cloud.size(); ++i)
               object.cloud.opacity.push_back(static_cast<float>(opacity));
+          }
         const Result<Timed> exact = timed(render_abuffer, scene, AbufferOptions{}),
                             random = timed(render_stochastic, scene, StochasticOptions{});
         if (!exact || !random) {
