@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "splat/export.h"
-
 namespace swept {
 
 /// Many rays' coordinates (RayCoordinates), and what they find of the kernel (RayFragment).
@@ -43,8 +41,9 @@ struct TubeMaths {
   const TubeMath* first;
   std::size_t count;
 
+  [[nodiscard]] const TubeMath& plain() const { return *first; }
   [[nodiscard]] const TubeMath& fastest() const { return first[count - 1]; }
 };
-[[nodiscard]] SWEPT_API TubeMaths tube_maths();
+[[nodiscard]] TubeMaths tube_maths();
 
 }  // namespace swept

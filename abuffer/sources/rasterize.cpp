@@ -201,7 +201,6 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
 
 void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index, const Octagon& octagon,
                const RasterModel& model, const Window& window, FragmentArrays& fragments) {
-  static const TubeMath& math = tube_maths().fastest();
   MovingKernel kernel = of_all_rows;
   const bool parallel = model.projection.orthographic;
   KernelPlane<double> plane(kernel, parallel);
@@ -211,7 +210,7 @@ void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index, cons
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
   const std::uint32_t back_index = kernel_index + model.backs;
-  RayBatch rays(math);
+  RayBatch rays(model.simd ? tube_maths().fastest() : tube_maths().plain());
   const Row rows = rows_of(octagon, window);
   for (int y = rows.first; y < rows.last; ++y) {
     const Row row = row_of(octagon, window, y);
