@@ -12,7 +12,7 @@ TileRenderer::TileRenderer(const TileWork& work, const FilmSink& film)
       pixel_(work.model, work.simd ? interval_math_builds().back() : interval_math_builds().front(),
              work.stop),
       still_by_interval_(work.model_by_interval) {
-  if (work.discs != nullptr) discs_.emplace(*work.discs);
+  if (work.discs != nullptr) discs_.emplace(*work.discs, work.simd);
   if (work.meshes != nullptr) meshes_.emplace(*work.meshes);
 }
 

@@ -82,7 +82,14 @@ void PixelSweep::start(const FragmentArrays& fragments, const Shade* shades, con
   shades_ = shades;
   indices_ = indices;
   begins_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) begins_[i] = event_key(fragments.t_begin[indices[i]], i);
+  reach_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t f = indices[i];
+    const Ticks begin = fragments.t_begin[f], end = fragments.t_end[f];
+    begins_[i] = event_key(begin, i);
+    const float z = fragments.z[f];
+    reach_[i] = {std::min(z, z + fragments.z_rate[f] * static_cast<float>(share_of(end - begin))), end};
+  }
   sort_begins();
   next_ = 0;
   step_ = 0;
@@ -139,7 +146,7 @@ Ticks PixelSweep::next_event() {
   for (; next_ < begins_.size(); ++next_) {
     const std::uint32_t place = event_place(begins_[next_]);
     if (is_hidden_[place]) continue;
-    if (!lies_behind(indices_[place])) break;
+    if (!lies_behind(place)) break;
     hide(place);
   }
   Ticks next = next_begin();
@@ -152,12 +159,12 @@ Ticks PixelSweep::next_event() {
 /// Makes active what begins before that time, or hides it.
 void PixelSweep::admit(Ticks before) {
   for (; next_ < begins_.size() && event_time(begins_[next_]) < before; ++next_) {
-    const std::uint32_t place = event_place(begins_[next_]), f = indices_[place];
+    const std::uint32_t place = event_place(begins_[next_]);
     if (is_hidden_[place]) continue;
-    if (lies_behind(f))
+    if (lies_behind(place))
       hide(place);
     else
-      activate(place, f);
+      activate(place, indices_[place]);
   }
 }
 
@@ -174,19 +181,13 @@ void PixelSweep::let_go(Ticks time) {
     if (active_.members.t_end(i) <= time) active_.remove(i);
 }
 
-float PixelSweep::least_depth(std::size_t f) const {
-  const float z = fragments_->z[f];
-  return std::min(z, z + fragments_->z_rate[f] *
-                             static_cast<float>(share_of(fragments_->t_end[f] - fragments_->t_begin[f])));
-}
-
-bool PixelSweep::lies_behind(std::size_t f) const {
-  return front_limit_ != infinity && least_depth(f) > front_limit_;
+bool PixelSweep::lies_behind(std::uint32_t place) const {
+  return front_limit_ != infinity && reach_[place].least_depth > front_limit_;
 }
 
 void PixelSweep::hide(std::uint32_t place) {
-  hidden_min_z_ = std::min(hidden_min_z_, least_depth(indices_[place]));
-  hidden_last_end_ = std::max(hidden_last_end_, fragments_->t_end[indices_[place]]);
+  hidden_min_z_ = std::min(hidden_min_z_, reach_[place].least_depth);
+  hidden_last_end_ = std::max(hidden_last_end_, reach_[place].end);
   hidden_.push_back(place);
   is_hidden_[place] = 1;
   ++counters_->hidden;
@@ -199,7 +200,7 @@ void PixelSweep::hide_what_is_behind(float limit, Ticks time) {
   for (std::size_t i = active_.members.size(); i-- > 0;) {
     if (!(z[i] > limit) || active_.members.t_end(i) <= time) continue;
     const std::uint32_t place = active_.place_of_slot[i];
-    if (!lies_behind(indices_[place])) continue;
+    if (!lies_behind(place)) continue;
     active_.remove(i);
     hide(place);
   }
@@ -218,7 +219,7 @@ void PixelSweep::reveal(Ticks time) {
     const std::uint32_t f = indices_[place];
     is_hidden_[place] = 0;
     // What is still to come will be let in then.
-    if (event_key(fragments_->t_begin[f], place) < to_come && fragments_->t_end[f] > time) activate(place, f);
+    if (reach_[place].end > time && event_key(fragments_->t_begin[f], place) < to_come) activate(place, f);
   }
   forget_hidden();
 }

@@ -69,8 +69,7 @@ class PixelSweep {
   void let_go(Ticks time);
   [[nodiscard]] Ticks next_begin() const;
   Ticks next_event();
-  [[nodiscard]] float least_depth(std::size_t f) const;
-  [[nodiscard]] bool lies_behind(std::size_t f) const;
+  [[nodiscard]] bool lies_behind(std::uint32_t place) const;
   void hide(std::uint32_t place);
   void hide_what_is_behind(float limit, Ticks time);
   void reveal(Ticks time);
@@ -110,7 +109,13 @@ class PixelSweep {
 
   std::vector<std::uint64_t> begins_, by_bucket_;  ///< time above, place below; sorted
   std::vector<std::uint32_t> buckets_;
-  std::size_t next_ = 0;  ///< of begins_: the first that is not active yet
+  /// Of a fragment, what is asked for again and again: together, for fragments lie far apart.
+  struct Reach {
+    float least_depth;
+    Ticks end;
+  };
+  std::vector<Reach> reach_;  ///< by place
+  std::size_t next_ = 0;      ///< of begins_: the first that is not active yet
   ActiveSet active_;
   std::vector<std::uint32_t> hidden_;    ///< places
   std::vector<std::uint8_t> is_hidden_;  ///< by place

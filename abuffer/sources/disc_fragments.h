@@ -32,7 +32,9 @@ struct DiscFilm {
 class DiscFragments final : public FragmentSource {
  public:
   /// `film` must outlive it.
-  explicit DiscFragments(const DiscFilm& film) : film_(film), raster_(film.raster) {}
+  explicit DiscFragments(const DiscFilm& film, bool simd = true) : film_(film), raster_(film.raster) {
+    raster_.simd = simd;
+  }
 
   void select(std::size_t tile) override;
   [[nodiscard]] bool gather(const Window& window) override;

@@ -1,9 +1,11 @@
 #include "abuffer/sources/rasterize.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 
+#include "abuffer/simd/tube_math.h"
 #include "splat/kernel/bent_kernel.h"
 
 namespace swept {
@@ -53,6 +55,94 @@ RayBend<double> bend_along(const KernelPlane<double>& bending, double x, double 
   const RayCoordinates<double> at = bending.along(x, y);
   return {at.du, at.dv, at.dz};
 }
+
+/// Rays that see one kernel, until there are enough to be looked along at once.
+class RayBatch {
+ public:
+  explicit RayBatch(const TubeMath& math) : math_(math) {}
+
+  [[nodiscard]] bool full() const { return count_ == TubeBlock::most; }
+
+  void add(double x, double y, std::uint32_t pixel, std::uint32_t shade) {
+    x_[count_] = x;
+    y_[count_] = y;
+    pixel_[count_] = pixel;
+    shade_[count_] = shade;
+    ++count_;
+  }
+
+  /// Appends what the rays find, in their order, and forgets them.
+  void append_to(FragmentArrays& out, const KernelPlane<double>& plane,
+                 const std::optional<KernelPlane<double>>& bending, const MovingKernel& kernel,
+                 const RasterModel& model) {
+    if (count_ == 0) return;
+    out.ensure(count_);
+    if (bending)
+      append_bent(out, plane, *bending, kernel, model);
+    else
+      append_straight(out, plane, kernel, model);
+    count_ = 0;
+  }
+
+ private:
+  void append_straight(FragmentArrays& out, const KernelPlane<double>& plane, const MovingKernel& kernel,
+                       const RasterModel& model) {
+    look_along(plane);
+    const TubeHits hits =
+        math_.intersect(tubes_, count_, {kernel.t_begin, kernel.t_end, model.near, model.delta});
+    const double weight = kernel.weight;
+    for (std::uint64_t left = hits.met | hits.odd; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      RayFragment<double> fragment;
+      if ((hits.odd >> i & 1) == 0)
+        fragment = {
+            tubes_.t_begin[i], tubes_.t_end[i], weight * std::exp(-model.delta * tubes_.nearest_squared[i]),
+            tubes_.y_begin[i], tubes_.rate[i],  tubes_.z_begin[i],
+            tubes_.dz[i]};
+      else if (!intersect_tube<double>(plane.along(x_[i], y_[i]), kernel.t_begin, kernel.t_end, model.near,
+                                       model.delta, weight, fragment))
+        continue;
+      append(fragment, pixel_[i], shade_[i], out);
+    }
+  }
+
+  void append_bent(FragmentArrays& out, const KernelPlane<double>& plane, const KernelPlane<double>& bending,
+                   const MovingKernel& kernel, const RasterModel& model) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      RayFragment<double> fragment;
+      if (intersect_bent_tube<double>(plane.along(x_[i], y_[i]), bend_along(bending, x_[i], y_[i]),
+                                      kernel.t_begin, kernel.t_end, model.near, model.delta, kernel.weight,
+                                      fragment))
+        append(fragment, pixel_[i], shade_[i], out);
+    }
+  }
+
+  // Flattened: what of along() does not depend on the ray leaves the loop, and the loop becomes vectors.
+  [[gnu::flatten]] void look_along(const KernelPlane<double>& plane) {
+    const std::size_t padded = (count_ + widest - 1) / widest * widest;
+    for (std::size_t i = count_; i < padded; ++i) {
+      x_[i] = x_[count_ - 1];
+      y_[i] = y_[count_ - 1];
+    }
+    for (std::size_t i = 0; i < padded; ++i) {
+      const RayCoordinates<double> ray = plane.along(x_[i], y_[i]);
+      tubes_.u[i] = ray.u;
+      tubes_.v[i] = ray.v;
+      tubes_.z[i] = ray.z;
+      tubes_.du[i] = ray.du;
+      tubes_.dv[i] = ray.dv;
+      tubes_.dz[i] = ray.dz;
+    }
+  }
+
+  static constexpr std::size_t widest = 8;
+
+  const TubeMath& math_;
+  std::size_t count_ = 0;
+  double x_[TubeBlock::most], y_[TubeBlock::most];
+  std::uint32_t pixel_[TubeBlock::most], shade_[TubeBlock::most];
+  TubeBlock tubes_;
+};
 
 }  // namespace
 
@@ -109,45 +199,39 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
   out.z_rate[i] = static_cast<float>(f.z_rate);
 }
 
-// Flattened: what of intersect_tube() does not depend on the pixel leaves the loop.
-[[gnu::flatten]] void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index,
-                                const Octagon& octagon, const RasterModel& model, const Window& window,
-                                FragmentArrays& fragments) {
+void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index, const Octagon& octagon,
+               const RasterModel& model, const Window& window, FragmentArrays& fragments) {
   MovingKernel kernel = of_all_rows;
   const bool parallel = model.projection.orthographic;
   KernelPlane<double> plane(kernel, parallel);
   // What bends a path does not depend on the row: parts of a parabola are bent alike.
-  const bool bent = kernel.bent();
   const std::optional<KernelPlane<double>> bending = bending_of(kernel, parallel);
   const double per_pixel = 1.0 / model.projection.focal_px;
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
   const std::uint32_t back_index = kernel_index + model.backs;
+  RayBatch rays(model.simd ? tube_maths().fastest() : tube_maths().plain());
   const Row rows = rows_of(octagon, window);
   for (int y = rows.first; y < rows.last; ++y) {
     const Row row = row_of(octagon, window, y);
     if (row.first >= row.last) continue;
     if (model.row_delay != 0.0) {
+      rays.append_to(fragments, plane, bending, kernel, model);
       kernel = of_all_rows;
       if (!delay(kernel, model.row_delay * y)) continue;
       plane = KernelPlane<double>(kernel, parallel);
     }
-    fragments.ensure(static_cast<std::size_t>(row.last - row.first));
     const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;
     const std::uint32_t row_start = static_cast<std::uint32_t>((y - window.y) * window.width - window.x);
     for (int x = row.first; x < row.last; ++x) {
       const double ray_x = (x + 0.5 - model.projection.center_x) * per_pixel;
       if (!plane.faces(ray_x, ray_y)) continue;
-      RayFragment<double> fragment;
-      const RayCoordinates<double> ray = plane.along(ray_x, ray_y);
-      if (bent ? intersect_bent_tube<double>(ray, bend_along(*bending, ray_x, ray_y), kernel.t_begin,
-                                             kernel.t_end, model.near, model.delta, kernel.weight, fragment)
-               : intersect_tube<double>(ray, kernel.t_begin, kernel.t_end, model.near, model.delta,
-                                        kernel.weight, fragment))
-        append(fragment, row_start + static_cast<std::uint32_t>(x),
-               oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index, fragments);
+      if (rays.full()) rays.append_to(fragments, plane, bending, kernel, model);
+      rays.add(ray_x, ray_y, row_start + static_cast<std::uint32_t>(x),
+               oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index);
     }
   }
+  rays.append_to(fragments, plane, bending, kernel, model);
 }
 
 std::size_t visited_pixels(const Octagon& octagon, const Window& window) {

@@ -43,6 +43,7 @@ struct RasterModel {
   double delta = 3.0;
   std::uint32_t backs = 0;  ///< from a kernel's Shade to that of its back, where the two are told apart
   double row_delay = 0.0;  ///< shutter time by which each row of the film is exposed later than the one above
+  bool simd = true;        ///< false: the plain loops, same bits
 };
 
 /// Of each kernel, by its index; and if any is oriented, after them all again for their backs.
