@@ -114,7 +114,9 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   std::optional<DiscFilm> discs;
   std::optional<Image> standing;
   if (has_discs(scene) || !work.meshes) {
-    work.discs = &discs.emplace(scene, window, options.tile_px, options.tile_fragments, control.stop);
+    work.discs =
+        &discs.emplace(scene, window, options.parabolas ? SegmentShape::parabolas : SegmentShape::chords,
+                       options.tile_px, options.tile_fragments, control.stop);
     out.statistics.time("kernels", watch.lap());
     // Points that stand still in a cloud that moves are not in it, and then it is of no use.
     const KernelCounts& kernels = discs->counts;

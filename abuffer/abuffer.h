@@ -27,6 +27,9 @@ struct AbufferOptions {
   /// With meshes: leave out pixels, tiles and depths that triangles are known not to be seen in, before their
   /// intervals are solved. false: not, to measure what it gains.
   bool tile_tests = true;
+  /// Discs that are small beside their way may have parabolas for segments. false: chords, those of
+  /// build_kernels(), which are more, and no nearer to the true path.
+  bool parabolas = true;
   bool deep = false;  ///< fill Rendered::deep, too; with Normalisation::interval alone
 
   [[nodiscard]] Status validate() const;

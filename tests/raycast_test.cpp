@@ -77,8 +77,9 @@ Rendered cast(const Scene& scene, const RaycastOptions& options = {}) {
   return std::move(rendered).value();
 }
 
+/// Of the segments that rays meet.
 Image exact(const Scene& scene) {
-  Result<Rendered> rendered = render_abuffer(scene);
+  Result<Rendered> rendered = render_abuffer(scene, {.parabolas = false});
   EXPECT_TRUE(rendered.ok()) << rendered.error().message();
   return std::move(rendered).value().image;
 }

@@ -380,7 +380,7 @@ TEST(Stochastic, CountsWhatItTests) {
   }
   // Small tiles and tight bounds test least.
   const auto tested = [&](int px, CurveBounds bounds) {
-    return *rendered(scene, {.samples = 64, .tile_px = px, .bounds = bounds})
+    return *rendered(scene, {.samples = 64, .traversal = Traversal::tile, .tile_px = px, .bounds = bounds})
                 .statistics.counter("samples_tested");
   };
   EXPECT_LT(tested(1, CurveBounds::slefes), tested(4, CurveBounds::slefes));

@@ -15,8 +15,10 @@ namespace SWEPT_API swept {
 
 /// How the reference places the discs at an instant.
 enum class ReferenceMotion {
-  segments,  ///< along the linear segments of build_kernels(): the very motion the other renderers see
-  smooth,    ///< along the true path: curves, turning axes and the pixel filter are exact at every instant
+  /// Along the linear segments of build_kernels(): the very motion that the stochastic method and the GPU
+  /// passes see, and the exact method without AbufferOptions::parabolas.
+  segments,
+  smooth,  ///< along the true path: curves, turning axes and the pixel filter are exact at every instant
 };
 
 struct ReferenceOptions {

@@ -7,9 +7,9 @@
 
 namespace swept {
 
-DiscFilm::DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
-                   const std::stop_token& stop)
-    : maker(scene, scene.exposure(), SegmentShape::parabolas),
+DiscFilm::DiscFilm(const Scene& scene, const Window& window, SegmentShape shape, int tile_px,
+                   std::size_t limit, const std::stop_token& stop)
+    : maker(scene, scene.exposure(), shape),
       bins(window, tile_px, maker.projection(), maker.near()),
       raster{maker.projection(), maker.near(), scene.model.delta, 0,
              scene.shutter.row_delay == 0.0

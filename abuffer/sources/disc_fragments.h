@@ -25,7 +25,7 @@ struct DiscFilm {
   std::size_t fragment_limit;
 
   /// The scene must outlive it. Throws Stopped once `stop` asks for it.
-  DiscFilm(const Scene& scene, const Window& window, int tile_px, std::size_t limit,
+  DiscFilm(const Scene& scene, const Window& window, SegmentShape shape, int tile_px, std::size_t limit,
            const std::stop_token& stop);
 };
 
