@@ -28,7 +28,9 @@ double flattened_error(const Scene& scene, bool moves = true) {
   const Image& picture = taken_apart.image;
   // It does not depend on what else is asked for; a still is the engine's otherwise, which counts in floats.
   const Image alone = test::exact(scene).image;
-  if (moves) EXPECT_EQ(picture.rgba, alone.rgba);
+  if (moves) {
+    EXPECT_EQ(picture.rgba, alone.rgba);
+  }
   for (std::size_t i = 0; i < picture.rgba.size(); ++i) EXPECT_NEAR(picture.rgba[i], alone.rgba[i], 2e-4f);
   return test::flattened_error(*taken_apart.deep, picture);
 }

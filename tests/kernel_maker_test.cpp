@@ -129,8 +129,8 @@ TEST(KernelMaker, APointKeepsBytesForItsSegmentsAndNotKernels) {
   constexpr int points = 20'000;
   scene.objects = {ballistic(points)};
   const std::size_t before = bytes_in_use();
-  const auto film =
-      std::make_unique<DiscFilm>(scene, Window{0, 0, 640, 480}, 32, std::size_t{1} << 20, std::stop_token{});
+  const auto film = std::make_unique<DiscFilm>(scene, Window{0, 0, 640, 480}, SegmentShape::parabolas, 32,
+                                               std::size_t{1} << 20, std::stop_token{});
   const auto kept = static_cast<double>(bytes_in_use() - before);
   const double segments = static_cast<double>(film->kernels);
   std::printf("%.1f segments a point, of which %.1f bytes each are kept\n", segments / points,

@@ -448,7 +448,9 @@ TEST(Sampled, ForeseesThatErrorsFallTheFasterTheCloserInstantsAreUntilJumpsLead)
       EXPECT_LE(fall, 1.0) << before << " at " << x;
       EXPECT_GE(expected_fall(before + 0.1, x), fall) << before << " at " << x;
       // Jumps fall by 4, and little is more than a few dB better.
-      if (x >= 4.0) EXPECT_GE(fall, 0.25) << before << " at " << x;
+      if (x >= 4.0) {
+        EXPECT_GE(fall, 0.25) << before << " at " << x;
+      }
     }
 }
 

@@ -59,12 +59,12 @@ Json to_json(const StudyTable& table) {
 
 std::string markdown(const StudyTable& table) {
   std::string text = "# " + table.title + "\n\n" + table.note + "\n\n|";
-  for (const std::string& column : table.columns) text += " " + column + " |";
+  for (const std::string& column : table.columns) text.append(" ").append(column).append(" |");
   text += "\n|";
   for (std::size_t i = 0; i < table.columns.size(); ++i) text += "---|";
   for (const auto& row : table.rows) {
     text += "\n|";
-    for (const Json& cell : row) text += " " + text_of(cell) + " |";
+    for (const Json& cell : row) text.append(" ").append(text_of(cell)).append(" |");
   }
   return text + "\n";
 }
