@@ -5,7 +5,7 @@
 namespace swept {
 
 void StillPixel::resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades,
-                         std::uint32_t* indices, std::size_t count, PixelSum& pixel) const {
+                         std::uint32_t* indices, std::size_t count, PixelSum& pixel, float time) const {
   std::uint32_t sides = 0;
   for (std::size_t i = 0; i < count; ++i)
     sides |= static_cast<std::uint32_t>(shades[fragments.kernel[indices[i]]].side);
@@ -19,7 +19,7 @@ void StillPixel::resolve(const FragmentArrays& fragments, const std::vector<Shad
   float transmittance = 1.0f;
   for (std::size_t first = 0; first < count && transmittance > opaque_transmittance;) {
     const std::uint32_t nearest = indices[first];
-    const float limit = fragments.z[nearest] + shades[fragments.kernel[nearest]].depth_tolerance;
+    const float limit = fragments.z[nearest] + shades[fragments.kernel[nearest]].tolerance_at(time);
     std::size_t last = first;
     while (last < count && fragments.z[indices[last]] <= limit) ++last;
     // What shows the other side is another surface, behind this one.

@@ -15,10 +15,11 @@ class StillPixel {
  public:
   explicit StillPixel(const SurfaceModel& model) : model_(model) {}
 
-  /// Resolves the `count` fragments `indices` of `fragments`, all is_still(). `indices` is reordered; what
-  /// order it comes in matters only between fragments of equal depth.
+  /// Resolves the `count` fragments `indices` of `fragments`, all is_still(), as they are at shutter time
+  /// `time`: their depth tolerances may change. `indices` is reordered; what order it comes in matters only
+  /// between fragments of equal depth.
   void resolve(const FragmentArrays& fragments, const std::vector<Shade>& shades, std::uint32_t* indices,
-               std::size_t count, PixelSum& pixel) const;
+               std::size_t count, PixelSum& pixel, float time = 0.0f) const;
 
  private:
   SurfaceModel model_;

@@ -23,6 +23,10 @@ struct Shade {
   Side side = Side::unknown;
   float tolerance_rate = 0.0f,
         t_mid = 0.0f;  ///< depth_tolerance changes by so much per unit of τ about t_mid
+
+  [[nodiscard]] float tolerance_at(float time) const {
+    return std::max(0.0f, depth_tolerance + (time - t_mid) * tolerance_rate);
+  }
 };
 
 /// How a Shade's colour changes over the exposure: evenly, `rate` per unit of τ. At `t_mid` it is the

@@ -48,7 +48,8 @@ struct RayModel {
     if (model.coverage == Coverage::soft) saturating_rho = static_cast<float>(model.edge_weight);
     for (const MovingKernel& kernel : set.kernels) {
       opaque = opaque && kernel.color.w() >= 1.0f;
-      reach = std::max(reach, kernel.depth_tolerance);
+      reach = std::max(reach, kernel.depth_tolerance +
+                                  std::abs(kernel.tolerance_rate) * static_cast<float>(kernel.half_time()));
     }
   }
 

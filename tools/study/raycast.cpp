@@ -95,7 +95,7 @@ class Tracer {
       indices_[i] = static_cast<std::uint32_t>(i);
     }
     fragments_.count = count;
-    still_.resolve(fragments_, shades_, indices_.data(), count, pixel);
+    still_.resolve(fragments_, shades_, indices_.data(), count, pixel, ray.time);
   }
 
   [[nodiscard]] bool shows_back(std::uint32_t kernel, const DiscRay& ray) const {
