@@ -1,8 +1,9 @@
 // When the places of a pixel meet a triangle on straight paths, all at once: held to what each finds by
 // itself, bit by bit, for every instruction set.
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <random>
 #include <vector>
 
@@ -14,6 +15,10 @@
 
 namespace swept {
 namespace {
+
+std::array<char, sizeof(DepthChords)> bytes_of(const DepthChords& chords) {
+  return std::bit_cast<std::array<char, sizeof(DepthChords)>>(chords);
+}
 
 struct Counts {
   int triangles = 0, met = 0, twice = 0, unknown = 0;
@@ -147,7 +152,7 @@ TEST_F(PlacesAtOnce, HoldDepthsByTheirChords) {
       for (std::size_t m = 1; m < maths.count; ++m) {
         DepthChords other = chords;
         maths.first[m].chords(other);
-        EXPECT_EQ(std::memcmp(&other, &plain, sizeof plain), 0) << maths.first[m].name;
+        EXPECT_EQ(bytes_of(other), bytes_of(plain)) << maths.first[m].name;
       }
       ++intervals;
       for (int lane = 0; lane < DepthChords::most; ++lane) {

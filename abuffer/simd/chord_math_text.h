@@ -19,7 +19,7 @@ SWEPT_LANE void take_part(Doubles (&c)[size], Doubles from, Doubles to, Doubles 
     for (int k = size - 1; k >= level; --k) c[k] = choose(ends, c[k - 1] + share * (c[k] - c[k - 1]), c[k]);
 }
 
-void chords_text(DepthChords& of) {
+inline void chords_text(DepthChords& of) {
   const Doubles zero = all(0.0), unit = all(1.0), endless = all(std::numeric_limits<double>::infinity());
   for (int lane = 0; lane < DepthChords::most; lane += double_lanes) {
     const auto in = [&](const double* from) { return load(from + lane); };

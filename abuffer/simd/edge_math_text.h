@@ -35,7 +35,7 @@ SWEPT_LANE Changes changes_of(const Doubles (&c)[3]) {
   return {choose(has_low, at_low, at_high), choose(has_low, at_high, unit), has_low & has_high};
 }
 
-void meet_text(const StraightEdges& edges, const double* x, const double* y, MetPlaces& met) {
+inline void meet_text(const StraightEdges& edges, const double* x, const double* y, MetPlaces& met) {
   const Doubles zero = all(0.0), unit = all(1.0);
   const Mask yes = zero <= zero, no = zero < zero;
   met.above = met.below = met.unknown = 0;

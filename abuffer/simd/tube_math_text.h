@@ -51,7 +51,7 @@ SWEPT_TUBE Doubles root(const Doubles& x) { return Doubles{__builtin_sqrt(x[0])}
 SWEPT_TUBE std::uint64_t bits(const DoubleMask& m) { return m[0] != 0 ? 1u : 0u; }
 #endif
 
-TubeHits intersect_text(TubeBlock& block, std::size_t count, const TubeSegment& segment) {
+inline TubeHits intersect_text(TubeBlock& block, std::size_t count, const TubeSegment& segment) {
   constexpr double largest = std::numeric_limits<double>::max();
   // As length_of() has it.
   constexpr double lowest = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
