@@ -274,7 +274,8 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
 PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
   const bool whole = piece == whole_path;
   const std::size_t span = whole ? 0 : piece >> node_bits, last_span = whole ? looks_.size() - 1 : span;
-  const std::uint32_t node = whole ? 1 : piece & ((1u << node_bits) - 1);
+  // The root is 1, and there is none before it.
+  const std::uint32_t node = whole ? 1 : std::max(1u, piece & ((1u << node_bits) - 1));
   const int length = static_cast<int>((1u << finest) / std::bit_floor(node));
   const int begin = static_cast<int>(node) * length - (1 << finest);
   const int end = whole ? 1 << finest : begin + length;
