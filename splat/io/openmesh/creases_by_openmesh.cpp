@@ -13,7 +13,7 @@ namespace swept::io {
 namespace {
 
 using Mesh = OpenMesh::TriConnectivity;
-using OpenMesh::FaceHandle, OpenMesh::HalfedgeHandle, OpenMesh::VertexHandle;
+using OpenMesh::HalfedgeHandle, OpenMesh::VertexHandle;
 
 /// Beyond what rounding makes of an angle that is given exactly, as 90° of a box.
 constexpr double rounding_radians = 1e-6;
