@@ -16,7 +16,7 @@ TubeMaths tube_maths() {
       maths[count++] = tube_math_scalar;
 #if defined(SWEPT_SIMD) && defined(__x86_64__)
       maths[count++] = tube_math_sse2;
-      if (__builtin_cpu_supports("avx2")) maths[count++] = tube_math_avx2;
+      if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) maths[count++] = tube_math_avx2;
       if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
         maths[count++] = tube_math_avx512;
 #endif

@@ -1,4 +1,5 @@
-#define SWEPT_TUBE_LANES 1
+#include "abuffer/simd/doubles_scalar.h"
+
 #include "abuffer/simd/tube_math_text.h"
 
 SWEPT_DEFINE_TUBE_MATH(tube_math_scalar, "scalar")
