@@ -1,5 +1,7 @@
 #include "abuffer/simd/mesh_math.h"
 
+#include "abuffer/simd/present_maths.h"
+
 namespace swept {
 
 extern const MeshMath mesh_math_scalar;
@@ -8,20 +10,11 @@ extern const MeshMath mesh_math_sse2, mesh_math_avx2, mesh_math_avx512;
 #endif
 
 MeshMaths mesh_maths() {
-  static const struct Present {
-    MeshMath maths[4];
-    std::size_t count = 0;
-
-    Present() {
-      maths[count++] = mesh_math_scalar;
 #if defined(SWEPT_SIMD) && defined(__x86_64__)
-      maths[count++] = mesh_math_sse2;
-      if (__builtin_cpu_supports("avx2")) maths[count++] = mesh_math_avx2;
-      if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-        maths[count++] = mesh_math_avx512;
+  static const PresentMaths present(mesh_math_scalar, mesh_math_sse2, mesh_math_avx2, mesh_math_avx512);
+#else
+  static const PresentMaths present(mesh_math_scalar);
 #endif
-    }
-  } present;
   return {present.maths, present.count};
 }
 

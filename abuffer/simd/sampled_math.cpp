@@ -1,5 +1,7 @@
 #include "abuffer/simd/sampled_math.h"
 
+#include "abuffer/simd/present_maths.h"
+
 namespace swept {
 
 extern const SampledMath sampled_math_scalar;
@@ -8,20 +10,12 @@ extern const SampledMath sampled_math_sse2, sampled_math_avx2, sampled_math_avx5
 #endif
 
 SampledMaths sampled_maths() {
-  static const struct Present {
-    SampledMath maths[4];
-    std::size_t count = 0;
-
-    Present() {
-      maths[count++] = sampled_math_scalar;
 #if defined(SWEPT_SIMD) && defined(__x86_64__)
-      maths[count++] = sampled_math_sse2;
-      if (__builtin_cpu_supports("avx2")) maths[count++] = sampled_math_avx2;
-      if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-        maths[count++] = sampled_math_avx512;
+  static const PresentMaths present(sampled_math_scalar, sampled_math_sse2, sampled_math_avx2,
+                                    sampled_math_avx512);
+#else
+  static const PresentMaths present(sampled_math_scalar);
 #endif
-    }
-  } present;
   return {present.maths, present.count};
 }
 
