@@ -191,17 +191,7 @@ TEST(BentKernel, APartOfItIsWhereItWas) {
 Scene wheel(double radius = 0.02) {
   Scene scene = test::stage();
   scene.film = {128, 128, 0, 0, 0, 0};
-  Object object;
-  for (int i = 0; i < 40; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / 40;
-    test::add_disc(object, {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, Vector3d::UnitZ(), radius,
-                   Eigen::Vector3f(i % 2 == 0 ? 1.0f : 0.2f, 0.5f, 0.3f));
-  }
-  object.transform.keys.resize(2);
-  object.transform.keys[1].frame = 1.0;
-  for (TransformKey& key : object.transform.keys) key.rotate_axis = Vector3d::UnitZ();
-  object.transform.keys[1].rotate_radians = 0.5 * std::numbers::pi;
-  scene.objects = {object};
+  scene.objects = {test::wheel(40, radius, {1.0f, 0.5f, 0.3f}, {0.2f, 0.5f, 0.3f})};
   return scene;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -216,16 +215,7 @@ Scene wheel(double tolerance_px, double radius = 0.02) {
   Scene scene = test::stage();
   scene.film = {256, 256, 0, 0, 0, 0};
   scene.motion.tolerance_px = tolerance_px;
-  Object object;
-  for (int i = 0; i < 64; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / 64;
-    test::add_disc(object, {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, Vector3d::UnitZ(), radius);
-  }
-  object.transform.keys.resize(2);
-  object.transform.keys[1].frame = 1.0;
-  for (TransformKey& key : object.transform.keys) key.rotate_axis = Vector3d::UnitZ();
-  object.transform.keys[1].rotate_radians = 0.5 * std::numbers::pi;
-  scene.objects = {object};
+  scene.objects = {test::wheel(64, radius)};
   return scene;
 }
 

@@ -75,6 +75,23 @@ inline Object checkered_sphere(double radius, int points) {
   return object;
 }
 
+/// The rim of a wheel, 1.5 in radius, of small discs that are of either colour by turns; in an exposure of
+/// one frame it turns by 90° about the view axis.
+inline Object wheel(int discs, double radius, const Eigen::Vector3f& color = Eigen::Vector3f::Ones(),
+                    const Eigen::Vector3f& other = Eigen::Vector3f::Ones()) {
+  Object object;
+  for (int i = 0; i < discs; ++i) {
+    const double angle = 2.0 * M_PI * i / discs;
+    add_disc(object, {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, Eigen::Vector3d::UnitZ(), radius,
+             i % 2 == 0 ? color : other);
+  }
+  object.transform.keys.resize(2);
+  object.transform.keys[1].frame = 1.0;
+  for (TransformKey& key : object.transform.keys) key.rotate_axis = Eigen::Vector3d::UnitZ();
+  object.transform.keys[1].rotate_radians = 0.5 * M_PI;
+  return object;
+}
+
 inline void move(Object& object, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                  double radians = 0.0) {
   TransformKey open, close;
