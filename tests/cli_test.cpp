@@ -13,6 +13,7 @@
 
 #include "splat/io/image_file.h"
 #include "tests/command.h"
+#include "tests/sanitizers.h"
 #include "tests/temporary_folder.h"
 
 namespace swept {
@@ -54,11 +55,7 @@ class Command : public ::testing::Test {
 };
 
 TEST_F(Command, AFrameThatTakesMoreMemoryThanItMayIsAnError) {
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-  GTEST_SKIP() << "AddressSanitizer maps more than any bound";
-#endif
-#endif
+  if (SWEPT_WITH_ASAN) GTEST_SKIP() << "AddressSanitizer maps more than any bound";
   const std::vector<std::string> line = {"render", "{}scene.json", "-o", "{}a.exr", "--threads", "2"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), line.begin(), line.end());

@@ -9,11 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
+#include "sanitizers.h"
+#if SWEPT_WITH_ASAN
 #include <sanitizer/lsan_interface.h>
-#define SWEPT_LSAN
-#endif
 #endif
 
 #include "abuffer/abuffer.h"
@@ -35,7 +33,7 @@ namespace {
 
 /// As long as it lives, what is allocated need not be freed.
 struct MayLeak {
-#ifdef SWEPT_LSAN
+#if SWEPT_WITH_ASAN
   __lsan::ScopedDisabler disabler;
 #else
   MayLeak() {}
