@@ -197,9 +197,10 @@ TEST_P(PointListsOf, DrawWhatThePacketsDraw) {
   const LensLooks no_lens;
   InstantTable table(of.scene, of.exposure, of.objects, no_lens);
   SampledCell renderer(of.scene, of.objects, sampled_maths().widest());
+  // Most that a pixel gains by a weight of one.
+  const double gain = static_cast<double>(of.scene.objects[0].cloud.opacity[0]) / of.scene.model.edge_weight;
   // At its rim a disc's weight ends at exp(−δ): a pixel whose centre is there may have it or not.
-  const double rim = std::exp(-of.scene.model.delta) / of.scene.model.edge_weight *
-                     static_cast<double>(of.scene.objects[0].cloud.opacity[0]);
+  const double rim = gain * std::exp(-of.scene.model.delta);
   double light = 0.0;
   std::size_t flips = 0, values = 0;
   for (std::size_t c = 0; c < of.bins.cell_count(); ++c) {
@@ -223,7 +224,7 @@ TEST_P(PointListsOf, DrawWhatThePacketsDraw) {
         const int x = cell.x + static_cast<int>(i / 4) % cell_px,
                   y = cell.y + static_cast<int>(i / 4) / cell_px;
         const double frame = of.exposure.at((2 * k + 1) / 10.0);
-        if (off <= rounding.weights(x, y, frame)) continue;
+        if (off <= gain * rounding.weights(x, y, frame)) continue;
         ++flips;
         EXPECT_LE(off, rim);
         EXPECT_GE(rounding.rims(x, y, frame), 1)
