@@ -35,12 +35,13 @@ enum class ErrorKind {
   out_of_memory,  ///< more than the machine has, or than RenderControl::max_bytes allows
   cancelled,      ///< the caller stopped it
   device,         ///< a GPU, a disk or a pipe did not do what it was told to
+  empty,          ///< a file says, as its format has it, that it holds no points or splats
 };
 
 /// "argument", "not_found", …
 [[nodiscard]] constexpr std::string_view error_kind_name(ErrorKind kind) {
   constexpr std::string_view names[] = {"argument",      "not_found", "malformed", "unsupported",
-                                        "out_of_memory", "cancelled", "device"};
+                                        "out_of_memory", "cancelled", "device",    "empty"};
   return names[static_cast<std::size_t>(kind)];
 }
 

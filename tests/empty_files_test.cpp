@@ -126,7 +126,7 @@ TEST_F(EmptyFiles, AreErrorsWhereTheyStandAloneOrHaveNoHeader) {
   EXPECT_FALSE(text->scene_at(1.0, none).ok());
 }
 
-TEST_F(EmptyFiles, OfPcdAndOfSplatsAreFramesToo) {
+TEST_F(EmptyFiles, OfOtherFormatsAreFramesToo) {
   put(folder_ / "q.1.pcd",
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT "
       "1\nPOINTS 0\n"
@@ -139,9 +139,11 @@ TEST_F(EmptyFiles, OfPcdAndOfSplatsAreFramesToo) {
   for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0",
                            "rot_1", "rot_2", "rot_3"})
     splats += "property float " + std::string(name) + "\n";
+  put(folder_ / "o.1.off", "OFF\n0 0 0\n");
+  put(folder_ / "o.2.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   put(folder_ / "s.1.ply", ply(splats, {}));
   put(folder_ / "s.2.ply", ply(splats, {"0 0 0 1 0 1 2 -1 -1 -1 1 0 0 0"}));
-  for (const char* pattern : {"q.%d.pcd", "s.%d.ply"}) {
+  for (const char* pattern : {"q.%d.pcd", "o.%d.off", "s.%d.ply"}) {
     Result<SceneFile> file = scene(pattern);
     ASSERT_TRUE(file.ok()) << file.error().message();
     const Result<const Scene*> empty = file->scene_at(1.0, none);

@@ -50,6 +50,27 @@ TEST_F(ErrorKinds, OfFilesThatAreDamaged) {
   EXPECT_EQ(kind_of(read_exr(file("a.exr", "none"))), ErrorKind::malformed);
 }
 
+TEST_F(ErrorKinds, OfFilesThatSayTheyHoldNothing) {
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  EXPECT_EQ(
+      kind_of(read_points(file("e.ply", "ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n"))),
+      ErrorKind::empty);
+  EXPECT_EQ(
+      kind_of(read_points(file("e.pcd",
+                               "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\n"
+                               "HEIGHT 1\nPOINTS 0\nDATA ascii\n"))),
+      ErrorKind::empty);
+  EXPECT_EQ(kind_of(read_points(file("e.off", "OFF\n0 0 0\n"))), ErrorKind::empty);
+  // Formats that have no place to say so: the file may have been cut off.
+  EXPECT_EQ(kind_of(read_points(file("e.xyz", ""))), ErrorKind::malformed);
+  EXPECT_EQ(kind_of(read_points(file("e.obj", "# nothing\n"))), ErrorKind::malformed);
+  EXPECT_EQ(kind_of(read_splats(file("e.splat", ""))), ErrorKind::malformed);
+  // Nor is a file empty whose points are all left out.
+  ReadOptions skip;
+  skip.skip_invalid = true;
+  EXPECT_EQ(kind_of(read_points(file("n.xyz", "nan 0 0\n"), skip)), ErrorKind::malformed);
+}
+
 TEST_F(ErrorKinds, OfWhatIsNotSupported) {
   EXPECT_EQ(kind_of(read_points(file("a.las", "LASF"))), ErrorKind::unsupported);
   EXPECT_EQ(kind_of(read_points(file("a.off", "OFF BINARY\n"))), ErrorKind::unsupported);
@@ -74,6 +95,7 @@ TEST_F(ErrorKinds, HaveNames) {
   EXPECT_EQ(error_kind_name(ErrorKind::argument), "argument");
   EXPECT_EQ(error_kind_name(ErrorKind::out_of_memory), "out_of_memory");
   EXPECT_EQ(error_kind_name(ErrorKind::device), "device");
+  EXPECT_EQ(error_kind_name(ErrorKind::empty), "empty");
 }
 
 }  // namespace

@@ -230,6 +230,7 @@ TEST(SpzTest, HeadersThatLieAreRefused) {
   EXPECT_EQ(refusal(made.bytes()).find(": goes on after its splats"), 0u);
   made.count = 0;
   EXPECT_EQ(refusal(made.bytes()), ": has no splats");
+  EXPECT_EQ(io::read_spz("a.spz", made.bytes(), {}).error().kind, ErrorKind::empty);
   made.count = 4000000000;
   EXPECT_EQ(refusal(made.bytes()).find("numPoints: promises 4000000000 splats"), 0u);
 

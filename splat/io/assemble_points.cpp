@@ -233,7 +233,7 @@ Result<PointSet> assemble_points(const std::string& path, const std::vector<Colu
                                  std::vector<std::array<std::uint32_t, 3>> triangles,
                                  const ReadOptions& options, std::vector<TextureCorners> corners) {
   const std::size_t count = values[plan.position[0]].size();
-  if (count == 0) return Error{path, "", "has no points"};
+  if (count == 0) return Error{path, "", "has no points", ErrorKind::empty};
   if (count >= kDropped)
     return Error{path, "", "has more points than 32-bit indices can name", ErrorKind::unsupported};
   if (!(options.delta > 0.0) || !std::isfinite(options.delta)) {

@@ -144,7 +144,7 @@ Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
   for (std::size_t i = 0; i < looks; ++i) {
     const NumberedFile& file = (*files)[looks == 1 ? 0 : i * (files->size() - 1) / (looks - 1)];
     const Status status = look(file);
-    if (!status && io::says_empty(status.error())) continue;
+    if (!status && status.error().kind == ErrorKind::empty) continue;
     if (!status) return status.error();
     sample.numbers.push_back(file.number);
   }
@@ -153,7 +153,7 @@ Result<Sample> sample_of(const std::string& path, std::optional<DrawAs> draw) {
     if (!sample.numbers.empty()) break;
     const Status status = look(file);
     if (status) sample.numbers.push_back(file.number);
-    if (!status && !io::says_empty(status.error())) return status.error();
+    if (!status && status.error().kind != ErrorKind::empty) return status.error();
   }
   if (sample.numbers.empty()) return Error{path, "", "none of its files has points"};
   sample.first = files->front().number;

@@ -63,8 +63,9 @@ struct CloudSource {
   /// and else along mesh_normals() of each key.
   bool triangles = false;
   bool materials = false;  ///< as ReadOptions::materials
-  /// A PLY or PCD file without points is a time at which there are none, as in a simulation before its first
-  /// particles: those of the files beside it exist until, and from, halfway to it. Else it is an error.
+  /// A file that says it has no points (ErrorKind::empty) is a time at which there are none, as in a
+  /// simulation before its first particles: those of the files beside it exist until, and from, halfway to
+  /// it. Else it is an error.
   bool may_be_empty = false;
   /// Of `triangles`: those that meet at a greater angle, degrees, do not share a normal, nor do those whose
   /// corners the file gives different ones; points become several where that takes it. [0, 180]; none: all

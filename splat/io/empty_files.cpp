@@ -1,8 +1,6 @@
 #include "splat/io/empty_files.h"
 
 #include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -40,19 +38,12 @@ void confine(const Lifetime& life, double first, double last, SurfelCloud& cloud
 
 }  // namespace
 
-bool says_empty(const Error& error) {
-  std::string extension = std::filesystem::path(error.file).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return (extension == ".ply" || extension == ".pcd") &&
-         (error.reason.ends_with("has no points") || error.reason == "has no splats");
-}
-
 std::string empty_note(const std::string& path) { return path + " has no points"; }
 
 Result<LoadedCloud> read_beside_empty(const CloudSource& source, double first, double last,
                                       const ReadSource& read) {
   Result<LoadedCloud> all = read(source, first, last);
-  if (all || !says_empty(all.error())) return all;
+  if (all || all.error().kind != ErrorKind::empty) return all;
   const auto empty = std::find_if(source.files.begin(), source.files.end(),
                                   [&](const KeyFile& file) { return file.path == all.error().file; });
   if (empty == source.files.end()) return all;

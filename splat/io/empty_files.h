@@ -8,20 +8,16 @@
 
 namespace swept::io {
 
-/// Whether `error` is that of a PLY or PCD file that says in its header that it has no points or splats.
-/// Other formats have no header to say so, and a file of theirs without any may be one that was cut off.
-[[nodiscard]] bool says_empty(const Error& error);
-
 /// "FILE has no points".
 [[nodiscard]] std::string empty_note(const std::string& path);
 
 /// Reads what a source shows over frames [first, last].
 using ReadSource = std::function<Result<LoadedCloud>(const CloudSource&, double first, double last)>;
 
-/// What `read` makes of `source`, some of whose files may be empty. The points of the files before an empty
-/// one exist until halfway to it, those of the files after it from halfway on, and move there as beyond the
-/// ends of a sequence. Where [first, last] has both, those that are there in its middle are taken. Where it
-/// has neither the cloud is empty.
+/// What `read` makes of `source`, some of whose files may be empty (ErrorKind::empty). The points of the
+/// files before an empty one exist until halfway to it, those of the files after it from halfway on, and move
+/// there as beyond the ends of a sequence. Where [first, last] has both, those that are there in its middle
+/// are taken. Where it has neither the cloud is empty.
 [[nodiscard]] Result<LoadedCloud> read_beside_empty(const CloudSource& source, double first, double last,
                                                     const ReadSource& read);
 

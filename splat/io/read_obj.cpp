@@ -206,6 +206,8 @@ Result<PointSet> read_obj(const std::string& path, std::string_view bytes, const
     assumed.push_back("there is a vn for each v, and no face: they are the points' normals");
     others.erase(lines);
   }
+  // No header says so: the file may as well have been cut off.
+  if (mesh.vertex_count() == 0) return Error{path, "", "has no points"};
   Result<PointSet> set = mesh.finish(further, options);
   if (!set) return set;
   // Triangles have gone with points.

@@ -115,9 +115,9 @@ Result<Header> parse_header(const std::string& path, std::string_view bytes) {
     if (!entries.count(key) || number(key)) continue;
     const Words zero{"0"};
     const bool none = entries[key] == zero && (!entries.count("POINTS") || entries["POINTS"] == zero);
-    return Error{
-        path, key,
-        none ? "is 0, and not a whole number ≥ 1: the file has no points" : "is not a whole number ≥ 1"};
+    if (none)
+      return Error{path, key, "is 0, and not a whole number ≥ 1: the file has no points", ErrorKind::empty};
+    return Error{path, key, "is not a whole number ≥ 1"};
   }
   if (!points && !(width && height)) return Error{path, "POINTS", "the header does not give them"};
   header.points = points ? *points : *width * *height;

@@ -49,7 +49,7 @@ class Reader {
     if (!version) root.fail("has no \"version\", as version 1 of SOG, which is not known");
     if (version->number() != 2.0) version->fail("is not 2, the one that is known");
     count_ = static_cast<std::size_t>(root.require("count").integer(0, 1LL << 32));
-    if (count_ == 0) return Error{path_, "", "has no splats"};
+    if (count_ == 0) return Error{path_, "", "has no splats", ErrorKind::empty};
     if (const auto antialias = root.find("antialias")) antialiased_ = antialias->boolean();
 
     const std::optional<JsonNode> harmonics = root.find("shN");

@@ -46,6 +46,8 @@ Result<LoadedSplats> read_splat(const std::string& path, std::string_view bytes,
   if (bytes.size() % splat_bytes != 0)
     return Error{path, "",
                  "has " + std::to_string(bytes.size()) + " bytes, which is no multiple of the 32 of a splat"};
+  // No header says so: the file may as well have been cut off.
+  if (bytes.empty()) return Error{path, "", "has no splats"};
   const std::size_t count = bytes.size() / splat_bytes;
   SplatBuilder builder(path, count, 0, false, options, name_of);
   for (std::size_t i = 0; i < count; ++i)

@@ -91,7 +91,7 @@ Result<Header> header_of(const std::string& path, std::string_view bytes) {
   header.degree = byte_at(bytes, 12);
   header.fractional_bits = byte_at(bytes, 13);
   header.flags = byte_at(bytes, 14);
-  if (header.count == 0) return Error{path, "", "has no splats"};
+  if (header.count == 0) return Error{path, "", "has no splats", ErrorKind::empty};
   if (header.degree > 4)
     return Error{path, "shDegree", "is " + std::to_string(header.degree) + "; 0 to 4 are known",
                  ErrorKind::unsupported};

@@ -73,7 +73,8 @@ Result<LoadedSplats> load_splats(const ObjectSource& source, const Object& objec
     key = std::move(*shown);
   }
   Result<LoadedSplats> loaded = read_splats(key.path, options);
-  if (!loaded && std::holds_alternative<SequenceSource>(source.points) && says_empty(loaded.error())) {
+  if (!loaded && std::holds_alternative<SequenceSource>(source.points) &&
+      loaded.error().kind == ErrorKind::empty) {
     LoadedSplats none;
     none.notes.push_back(empty_note(key.path) + ": there is nothing to draw of it");
     return none;

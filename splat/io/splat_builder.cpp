@@ -118,7 +118,7 @@ Status SplatBuilder::drop(const std::string& field, const std::string& reason) {
 
 Result<LoadedSplats> SplatBuilder::finish() {
   const std::size_t kept = loaded.splats.size();
-  if (added_ == 0) return Error{path_, "", "has no splats"};
+  if (added_ == 0) return Error{path_, "", "has no splats", ErrorKind::empty};
   if (kept == 0) return Error{path_, "", "has no splat with finite numbers"};
   loaded.report.points = added_;
   loaded.report.dropped = added_ - kept;

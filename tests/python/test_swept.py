@@ -253,6 +253,20 @@ class Errors(unittest.TestCase):
             self.assertIsInstance(raised.exception, swept.Error)
             self.assertTrue(str(raised.exception))
 
+    def test_files_that_say_they_are_empty(self):
+        reals = ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", *(f"scale_{i}" for i in range(3)),
+                 *(f"rot_{i}" for i in range(4))]
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "empty.ply")
+            with open(path, "w") as file:
+                file.write("ply\nformat ascii 1.0\nelement vertex 0\n")
+                file.writelines(f"property float {name}\n" for name in reals)
+                file.write("end_header\n")
+            with self.assertRaises(swept.EmptyError) as raised:
+                swept.read_splats(path)
+        self.assertEqual(raised.exception.kind, "empty")
+        self.assertIsInstance(raised.exception, swept.MalformedError)
+
     def test_shapes(self):
         for wrong in (np.zeros(3), np.zeros((4, 2)), "text"):
             with self.assertRaises(ValueError):

@@ -16,11 +16,12 @@ from os import fspath
 import numpy as _np
 
 from . import _swept
-from ._errors import ArgumentError, Error, MalformedError, NotFoundError, OutOfMemoryError
+from ._errors import ArgumentError, EmptyError, Error, MalformedError, NotFoundError, OutOfMemoryError
 from ._swept import __version__
 
 __all__ = [
-    "ArgumentError", "Camera", "Error", "Look", "MalformedError", "NotFoundError", "OutOfMemoryError", "Scene", "Statistics",
+    "ArgumentError", "Camera", "EmptyError", "Error", "Look", "MalformedError", "NotFoundError", "OutOfMemoryError",
+    "Scene", "Statistics",
     "load", "psnr", "read_exr", "read_splats", "render", "write_exr", "write_png", "__version__",
 ]
 

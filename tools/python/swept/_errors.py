@@ -3,7 +3,7 @@
 
 class Error(Exception):
     """What Swept raises. `kind` says what a program has to decide by: "argument", "not_found", "malformed",
-    "unsupported", "out_of_memory", "cancelled" or "device"; `file` and `field` say where, and may be empty."""
+    "empty", "unsupported", "out_of_memory", "cancelled" or "device"; `file` and `field` say where, and may be empty."""
 
     def __init__(self, message, kind="argument", file="", field="", reason=""):
         super().__init__(message)
@@ -25,6 +25,10 @@ class MalformedError(Error, ValueError):
     """A file does not hold what its format says it should."""
 
 
+class EmptyError(MalformedError):
+    """A file says that it holds no points or splats, as one of a sequence may before the first of them is born."""
+
+
 class OutOfMemoryError(Error, MemoryError):
     """More memory than the machine has, or than `max_bytes` allows."""
 
@@ -33,6 +37,7 @@ _CLASSES = {
     "argument": ArgumentError,
     "not_found": NotFoundError,
     "malformed": MalformedError,
+    "empty": EmptyError,
     "out_of_memory": OutOfMemoryError,
 }
 
