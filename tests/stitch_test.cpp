@@ -53,20 +53,85 @@ class Crops {
   const TemporaryFolder folder;
 };
 
-TEST(Stitch, RefusesDeepImagesByName) {
-  const Crops crops;
-  for (const char* part : {"1", "2"}) {
-    const std::string name = part;
-    const test::Outcome outcome =
-        crops.render("p" + name + ".exr", "--size 40x20 --exact --part " + name + "/2 --deep '" +
-                                              crops.file("d" + name + ".exr") + "'");
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+/// Deep images of `crops`, and the whole one.
+std::vector<std::string> deep_parts(const Crops& crops, const std::string& options) {
+  std::vector<std::string> files;
+  const char* windows[] = {"--crop 0,0,150,21", "--crop 61,21,89,40", "--crop 0,21,61,69",
+                           "--crop 61,61,89,29", ""};
+  for (const char* window : windows) {
+    files.push_back(crops.file("deep" + std::to_string(files.size()) + ".exr"));
+    const test::Outcome outcome = crops.render(
+        "flat.exr", options + " --overwrite --exact " + window + " --deep '" + files.back() + "'");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }
-  const test::Outcome outcome = run_command(SWEPT_COMMAND " stitch '" + crops.file("d1.exr") + "' '" +
-                                            crops.file("d2.exr") + "' -o '" + crops.file("d.exr") + "'");
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.err.find("d1.exr: type: is a deep image"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(std::filesystem::exists(crops.file("d.exr")));
+  return files;
+}
+
+TEST(Stitch, DeepPartsAreTheFrameByteForByte) {
+  const Crops crops;
+  for (const char* options : {"", "--half"}) {
+    std::vector<std::string> parts = deep_parts(crops, options);
+    const std::string whole = content_of(parts.back());
+    parts.pop_back();
+    std::swap(parts[0], parts[2]);
+    Status stitched = stitch_exr(parts, crops.file("stitched.exr"));
+    ASSERT_TRUE(stitched.ok()) << options << ": " << stitched.error().message();
+    EXPECT_TRUE(content_of(crops.file("stitched.exr")) == whole) << options;
+    // The same again where parts overlap.
+    const std::string wide = crops.file("wide.exr");
+    ASSERT_EQ(crops
+                  .render("flat.exr", std::string(options) +
+                                          " --overwrite --exact --crop 30,10,100,70 --deep '" + wide + "'")
+                  .exit_code,
+              0);
+    parts.insert(parts.begin(), wide);
+    stitched = stitch_exr(parts, crops.file("stitched.exr"));
+    ASSERT_TRUE(stitched.ok()) << options << ": " << stitched.error().message();
+    EXPECT_TRUE(content_of(crops.file("stitched.exr")) == whole) << options;
+    std::filesystem::remove(wide);
+  }
+}
+
+TEST(Stitch, DeepPartsThatDoNotFitAreRefused) {
+  const Crops crops;
+  std::vector<std::string> parts = deep_parts(crops, "--size 150x90");
+  parts.pop_back();
+  // One is missing, one is flat, one is of another method.
+  std::vector<std::string> some(parts.begin(), parts.end() - 1);
+  Status refused = stitch_exr(some, crops.file("stitched.exr"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().reason.find("--crop 61,61,89,29"), std::string::npos)
+      << refused.error().message();
+  ASSERT_EQ(crops.render("flat.exr", "--overwrite --exact --crop 61,61,89,29").exit_code, 0);
+  some.push_back(crops.file("flat.exr"));
+  refused = stitch_exr(some, crops.file("stitched.exr"));
+  EXPECT_EQ(refused ? "" : refused.error().field, "type");
+  // Another picture that says that it belongs to them.
+  DeepImage other;
+  other.width = 150;
+  other.height = 90;
+  other.film_width = 150;
+  other.film_height = 90;
+  other.first.resize(other.pixel_count() + 1);
+  ImageMetadata metadata;
+  metadata.whole_hash = "0123456789abcdef";
+  metadata.method = "m";
+  ASSERT_TRUE(write_deep_exr(crops.file("a.exr"), other, metadata).ok());
+  for (std::size_t i = 4001; i < other.first.size(); ++i) other.first[i] = 1;
+  other.rgba = {0.5f, 0.5f, 0.5f, 0.5f};
+  other.depth = {1.0f, 1.0f};
+  ASSERT_TRUE(write_deep_exr(crops.file("b.exr"), other, metadata).ok());
+  refused = stitch_exr({crops.file("a.exr"), crops.file("b.exr")}, crops.file("stitched.exr"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().reason.find("at pixel 100, 26"), std::string::npos) << refused.error().message();
+  EXPECT_TRUE(stitch_exr({crops.file("b.exr"), crops.file("b.exr")}, crops.file("stitched.exr")).ok());
+  // A file that was cut off.
+  std::filesystem::remove(crops.file("stitched.exr"));
+  std::filesystem::resize_file(parts[2], std::filesystem::file_size(parts[2]) * 9 / 10);
+  refused = stitch_exr(parts, crops.file("stitched.exr"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().file, parts[2]);
+  EXPECT_FALSE(std::filesystem::exists(crops.file("stitched.exr")));
 }
 
 TEST(Stitch, PartsAreTheFrameByteForByte) {

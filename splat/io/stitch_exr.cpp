@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <map>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include <ImfChannelList.h>
@@ -18,35 +20,32 @@
 #include "splat/io/exr_header.h"
 #include "splat/io/guarded.h"
 #include "splat/io/image_file.h"
+#include "splat/io/stitch_part.h"
 
 namespace swept {
 namespace {
 
-struct Part {
-  std::string path;
-  Image window;  ///< without pixels
-  ExrOrigin origin;
-  std::string whole;
-};
+using io::bytes_of;
+using Part = io::StitchPart;
 
 std::string text_of(const Imf::Header& header, const char* name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? std::string() : attribute->value();
 }
 
-std::size_t bytes_of(Imf::PixelType type) { return type == Imf::HALF ? 2 : 4; }
-
 /// Header::erase() of OpenEXR 3.1 does not free what it takes out.
-Imf::Header without(const Imf::Header& header, const std::string& name) {
+Imf::Header without(const Imf::Header& header, std::initializer_list<std::string_view> names) {
   Imf::Header rest;
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
-    if (attribute.name() != name) rest.insert(attribute.name(), attribute.attribute());
+    if (std::find(names.begin(), names.end(), attribute.name()) == names.end())
+      rest.insert(attribute.name(), attribute.attribute());
   return rest;
 }
 
 /// The header alone; damaged and truncated files are errors.
 Result<Part> look_at(const std::string& path) {
-  Part part{path, {}, {}, {}};
+  Part part;
+  part.path = path;
   Result<ExrOrigin> origin = read_exr_origin(path);
   if (!origin) return origin.error();
   Result<Image> window = read_exr_window(path);
@@ -55,13 +54,9 @@ Result<Part> look_at(const std::string& path) {
   part.window = *std::move(window);
   const Imf::InputFile file(path.c_str(), 0);
   const Imf::Header& header = file.header();
-  if (header.hasType() && Imf::isDeepData(header.type()))
-    return Error{path, "type",
-                 "is a deep image, and those are not put together: render the whole frame by --deep, or "
-                 "merge the parts where they are composited, for no two of them share a pixel",
-                 ErrorKind::unsupported};
-  if (header.hasType() && header.type() != Imf::SCANLINEIMAGE)
-    return Error{path, "type", "is no image of plain scan lines, which are all that is put together",
+  part.deep = header.hasType() && header.type() == Imf::DEEPSCANLINE;
+  if (!part.deep && header.hasType() && header.type() != Imf::SCANLINEIMAGE)
+    return Error{path, "type", "is no image of scan lines, plain or deep, which are all that is put together",
                  ErrorKind::unsupported};
   part.whole = text_of(header, "wholeHash");
   if (part.whole.empty())
@@ -74,6 +69,9 @@ Status check_same(const Part& first, const Part& other) {
   const auto differ = [&](const char* field, const std::string& a, const std::string& b) {
     return Error{other.path, field, "is of another frame than " + first.path + ": " + b + ", and not " + a};
   };
+  if (first.deep != other.deep)
+    return Error{other.path, "type",
+                 (other.deep ? "is a deep image, unlike " : "is no deep image, unlike ") + first.path};
   if (first.whole != other.whole) return differ("wholeHash", first.whole, other.whole);
   if (first.origin.method != other.origin.method)
     return differ("method", first.origin.method, other.origin.method);
@@ -152,8 +150,7 @@ class Film {
         const char* const from = own[channel.name()].data() + i * bytes;
         char* const to = planes_[channel.name()].data() + at * bytes;
         if (covered_[at] != 0 && std::memcmp(from, to, bytes) != 0)
-          return Error{part.path, channel.name(),
-                       "differs from another part at pixel " + std::to_string(x) + ", " + std::to_string(y)};
+          return io::parts_differ(part, channel.name(), x, y);
         std::memcpy(to, from, bytes);
       }
       covered_[at] = 1;
@@ -198,6 +195,15 @@ Status check_parts(const std::vector<Part>& parts) {
   return Error{"", "", "parts of the film are missing:" + text};
 }
 
+Status stitch_flat(const std::vector<Part>& parts, const Imf::Header& header, Imf::OStream& stream) {
+  const int height = parts.front().window.film_height;
+  Film film(header.channels(), parts.front().window.film_width, height);
+  for (const Part& part : parts)
+    if (Status put = film.put(part); !put) return put;
+  film.write(stream, header, height);
+  return Done{};
+}
+
 Status stitch(const std::vector<std::string>& paths, const std::string& path, IfExists existing) {
   if (paths.empty()) return Error{path, "parts", "there are none"};
   std::vector<Part> parts;
@@ -209,20 +215,20 @@ Status stitch(const std::vector<std::string>& paths, const std::string& path, If
   if (Status fits = check_parts(parts); !fits)
     return Error{fits.error().file.empty() ? path : fits.error().file, fits.error().field,
                  fits.error().reason, fits.error().kind};
-  const int width = parts.front().window.film_width, height = parts.front().window.film_height;
-  Imf::Header header = without(Imf::InputFile(parts.front().path.c_str(), 0).header(), "wholeHash");
+  Imf::Header header =
+      without(Imf::InputFile(parts.front().path.c_str(), 0).header(), {"wholeHash", "chunkCount"});
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
       return Error{parts.front().path, channel.name(), "has not a value for every pixel"};
-  Film film(header.channels(), width, height);
-  for (const Part& part : parts)
-    if (Status put = film.put(part); !put) return put;
   header.dataWindow() = header.displayWindow();
   header.insert("sceneHash", Imf::StringAttribute(parts.front().whole));
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
   FileStream stream(path, file->stream());
-  film.write(stream, header, height);
+  if (Status put =
+          parts.front().deep ? io::stitch_deep(parts, header, stream) : stitch_flat(parts, header, stream);
+      !put)
+    return put;
   return file->commit(existing);
 }
 
