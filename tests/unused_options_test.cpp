@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "splat/fields.h"
-#include "splat/io/image_file.h"
 #include "tests/command.h"
 #include "tests/temporary_folder.h"
+#include "tests/unused_scenes.h"
 #include "tools/render_methods.h"
 #include "tools/unused_options.h"
 
@@ -24,42 +24,33 @@ using test::Outcome;
 using test::put;
 using test::TemporaryFolder;
 
-json scene_of(const json& objects) {
-  json scene = json::parse(R"({
-    "swept": 1, "film": {"width": 24, "height": 24}, "frame": 1,
-    "camera": {"fov": {"axis": "vertical", "degrees": 40}, "keys": [{"eye": [0, 0, 5], "target": [0, 0, 0]}]}})");
-  scene["objects"] = objects;
-  return scene;
-}
-
 class UnusedOptions : public ::testing::Test {
  protected:
   void SetUp() override {
-    const json turns = json::parse(
-        R"({"keys": [{"frame": 0, "rotate": {"axis": [0, 0, 1], "degrees": 0}},
-                     {"frame": 2, "rotate": {"axis": [0, 0, 1], "degrees": 90}, "translate": [0.5, 0, 0]}]})");
     const json ball = {{"source", {{"generator", "sphere"}, {"points", 60}}}};
-    json turning = ball;
-    turning["transform"] = turns;
-    put(folder_ / "still.json", scene_of(json::array({ball})).dump());
-    put(folder_ / "moving.json", scene_of(json::array({turning})).dump());
-    put(folder_ / "one.obj", "v -1 -1 0 1 0 0\nv 1 -1 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
+    json moving = ball;
+    moving["transform"] = test::turning();
+    put(folder_ / "still.json", test::unused_scene(json::array({ball})).dump());
+    put(folder_ / "moving.json", test::unused_scene(json::array({moving})).dump());
+    put(folder_ / "one.obj", test::one_triangle);
     put(folder_ / "mesh.json",
-        scene_of({{{"source", {{"file", "one.obj"}}}, {"draw", "triangles"}, {"transform", turns}}}).dump());
+        test::unused_scene(
+            {{{"source", {{"file", "one.obj"}}}, {"draw", "triangles"}, {"transform", test::turning()}}})
+            .dump());
     const std::string head =
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
     const std::string discs = head + "property float radius\nend_header\n";
     put(folder_ / "key.1.ply", discs + "0 0 0 0.5\n");
     put(folder_ / "key.2.ply", discs + "1 0 0 0.5\n");
     put(folder_ / "key.3.ply", discs + "0 2 0 0.5\n");
-    put(folder_ / "keys.json", scene_of({{{"source", {{"sequence", "key.%d.ply"}}}}}).dump());
+    put(folder_ / "keys.json", test::unused_scene({{{"source", {{"sequence", "key.%d.ply"}}}}}).dump());
     std::string splat = head;
     for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
                              "rot_0", "rot_1", "rot_2", "rot_3"})
       splat += "property float " + std::string(name) + "\n";
     put(folder_ / "splat.ply", splat + "end_header\n0 0 0 1 0 1 2 -1 -1 -1 1 0 0 0\n");
     put(folder_ / "splats.json",
-        scene_of({{{"source", {{"file", "splat.ply"}}}, {"transform", turns}}}).dump());
+        test::unused_scene({{{"source", {{"file", "splat.ply"}}}, {"transform", test::turning()}}}).dump());
   }
 
   [[nodiscard]] Outcome render(const std::string& line, const std::string& name) const {
@@ -67,9 +58,7 @@ class UnusedOptions : public ::testing::Test {
                              ".exr --stats-json " + name + ".json " + line);
   }
   [[nodiscard]] std::vector<float> pixels(const std::string& name) const {
-    const Result<Image> image = read_exr(folder_ / (name + ".exr"));
-    EXPECT_TRUE(image.ok());
-    return image ? image->rgba : std::vector<float>();
+    return test::pixels_of(folder_ / (name + ".exr"));
   }
 
   TemporaryFolder folder_;

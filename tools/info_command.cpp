@@ -19,6 +19,7 @@
 #include "tools/gpu_method.h"
 #include "tools/scene_options.h"
 #include "tools/scene_report.h"
+#include "tools/unused_members.h"
 #include "tools/unused_options.h"
 
 namespace swept {
@@ -173,6 +174,8 @@ int info(const InfoArguments& arguments) {
   report.hash = *hash;
   for (const UnusedOption& unused : unused_options(*arguments.overrides, nullptr, *file, **scene))
     report.notes.push_back(unused.text());
+  for (const UnusedMember& unused : unused_members(*arguments.overrides, *file, **scene))
+    report.notes.push_back(unused.text(file->path()));
   if (arguments.json)
     print_json(*file, **scene, report);
   else

@@ -1,5 +1,6 @@
 #include "tools/render_command.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -30,6 +31,7 @@
 #include "tools/render_methods.h"
 #include "tools/scene_options.h"
 #include "tools/stats_json.h"
+#include "tools/unused_members.h"
 #include "tools/unused_options.h"
 
 namespace swept {
@@ -52,10 +54,17 @@ int fail(const Error& error, int exit_code = 1) {
   return exit_code;
 }
 
-/// Of options that change nothing of a frame.
+/// How many of them are rendered.
+std::size_t rendered(const std::vector<FrameOutput>& outputs) {
+  return static_cast<std::size_t>(
+      std::count_if(outputs.begin(), outputs.end(), [](const FrameOutput& output) { return !output.skip; }));
+}
+
+/// Of options that change nothing of a frame, and of members that change nothing of any.
 std::vector<std::string> remarks_on(const RenderArguments& arguments, const SceneFile& file,
-                                    const Scene& scene) {
-  std::vector<std::string> remarks;
+                                    const Scene& scene, RunMembers& members) {
+  std::vector<std::string> remarks =
+      members.of_frame(unused_members(*arguments.overrides, file, scene), file.path());
   for (const UnusedOption& unused : unused_options(*arguments.overrides, arguments.method.get(), file, scene))
     remarks.push_back(unused.text());
   return remarks;
@@ -64,6 +73,7 @@ std::vector<std::string> remarks_on(const RenderArguments& arguments, const Scen
 /// Loads what the frames need and prints what would be done with them.
 int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs, const RenderArguments& arguments) {
   std::set<std::string> told;
+  RunMembers members(rendered(outputs));
   for (const FrameOutput& output : outputs) {
     const std::string name = output.image.empty() ? "" : " " + printable(output.image);
     if (output.skip) {
@@ -72,7 +82,7 @@ int dry_run(SceneFile& file, const std::vector<FrameOutput>& outputs, const Rend
     }
     const Result<const Scene*> scene = file.scene_at(output.frame, generate);
     if (!scene) return fail(scene.error());
-    for (const std::string& remark : remarks_on(arguments, file, **scene))
+    for (const std::string& remark : remarks_on(arguments, file, **scene, members))
       if (told.insert(remark).second) log("note: {}\n", remark);
     std::size_t points = 0;
     for (const Object& object : (*scene)->objects) points += object.cloud.size() + object.splats.size();
@@ -129,9 +139,10 @@ int render_all(SceneFile& file, const std::vector<FrameOutput>& outputs, const P
   const int threads = run.layer_control.threads > 0 ? run.layer_control.threads
                                                     : static_cast<int>(std::thread::hardware_concurrency());
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
+  RunMembers members(rendered(outputs));
   if (const Status status =
           render_frames(file, outputs, *method.renderer, run, !arguments.no_load_ahead,
-                        [&](const Scene& scene) { return remarks_on(arguments, file, scene); });
+                        [&](const Scene& scene) { return remarks_on(arguments, file, scene, members); });
       !status)
     return fail(status.error());
   if (arguments.stats.empty()) return 0;

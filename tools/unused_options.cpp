@@ -106,6 +106,13 @@ const std::vector<Rule>& rules() {
   return rules;
 }
 
+/// The first need that is not met; null: all are.
+const Need* unmet(const Rule& rule, const Drawn& drawn) {
+  const auto missing =
+      std::find_if(rule.needs.begin(), rule.needs.end(), [&](const Need& need) { return !need.met(drawn); });
+  return missing == rule.needs.end() ? nullptr : &*missing;
+}
+
 /// Of everything in `given`.
 std::set<std::string, std::less<>> names_of(const SceneOverrides& given, const MethodChoice* method) {
   std::set<std::string, std::less<>> names;
@@ -121,6 +128,14 @@ std::set<std::string, std::less<>> names_of(const SceneOverrides& given, const M
 
 }  // namespace
 
+std::optional<std::string> why_unused(std::string_view option, const SceneFile& file, const Scene& scene) {
+  const auto rule =
+      std::find_if(rules().begin(), rules().end(), [&](const Rule& of) { return of.option == option; });
+  if (rule == rules().end()) return std::nullopt;
+  const Need* const missing = unmet(*rule, {file, scene, {}});
+  return missing == nullptr ? std::nullopt : std::optional<std::string>(missing->otherwise);
+}
+
 std::vector<UnusedOption> unused_options(const SceneOverrides& given, const MethodChoice* method,
                                          const SceneFile& file, const Scene& scene) {
   const Drawn drawn{file, scene, method == nullptr ? std::string_view() : method->method};
@@ -128,9 +143,7 @@ std::vector<UnusedOption> unused_options(const SceneOverrides& given, const Meth
   std::vector<UnusedOption> unused;
   for (const Rule& rule : rules()) {
     if (!names.contains(rule.option)) continue;
-    const auto missing = std::find_if(rule.needs.begin(), rule.needs.end(),
-                                      [&](const Need& need) { return !need.met(drawn); });
-    if (missing != rule.needs.end())
+    if (const Need* const missing = unmet(rule, drawn))
       unused.push_back({std::string(rule.option), std::string(missing->otherwise)});
   }
   return unused;

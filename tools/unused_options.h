@@ -1,6 +1,7 @@
 // Options that were given and change nothing of what is drawn: each is told, so that none is taken for heard.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,10 @@ struct UnusedOption {
 [[nodiscard]] std::vector<UnusedOption> unused_options(const SceneOverrides& given,
                                                        const MethodChoice* method, const SceneFile& file,
                                                        const Scene& scene);
+
+/// Why `option` of the table would leave the picture of `scene` as it is in every method; none: it would not.
+[[nodiscard]] std::optional<std::string> why_unused(std::string_view option, const SceneFile& file,
+                                                    const Scene& scene);
 
 /// The options that have an entry in the table.
 [[nodiscard]] std::vector<std::string_view> options_with_needs();

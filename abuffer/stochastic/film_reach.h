@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "abuffer/sources/rasterize.h"
+#include "abuffer/stochastic/enclosure.h"
 #include "abuffer/stochastic/pixel_samples.h"
 #include "splat/camera.h"
 
@@ -41,6 +42,24 @@ struct FilmView {
   /// at depth 1.
   [[nodiscard]] Eigen::Vector3d seen(const Eigen::Vector3d& p) const {
     return projection.orthographic ? Eigen::Vector3d(p.x(), p.y(), 1.0) : p;
+  }
+
+  /// The time in which something may be on the inner side of the plane of the eye's rays at `tangent`, of
+  /// the upper (`side` 1) or lower ones of `axis`, seen through the lens. `within(γ, c)` is that in which it
+  /// may be on the inner side of the plane of slope γ that lies c farther out. Rays through the lens reach
+  /// R|1 − z/F| beyond the tile's side at depth z, and what is outside is beyond both lines of it. F may
+  /// change.
+  template <class Within>
+  [[nodiscard]] Span inside(int axis, int side, double tangent, const Within& within) const {
+    const double reach = axis == 0 ? lens.x : lens.y;
+    if (!(reach > 0.0)) return within(tangent, 0.0);
+    Span span{1.0, 0.0};
+    for (const double inverse_focus : {lens.least_inverse_focus, lens.most_inverse_focus}) {
+      const double turn = (side == 1 ? 1.0 : -1.0) * reach * inverse_focus;
+      span = join(span, within(tangent - turn, reach));
+      span = join(span, within(tangent + turn, -reach));
+    }
+    return span;
   }
 };
 

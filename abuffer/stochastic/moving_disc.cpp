@@ -57,16 +57,7 @@ Span MovingDisc::plane(int axis, int side, double tangent) const {
     line.v[0] = beyond(0.0), line.v[1] = beyond(1.0);
     return where_not_above(line);
   };
-  const LensReach& lens = view_.lens;
-  const double reach = axis == 0 ? lens.x : lens.y;
-  if (!(reach > 0.0)) return within(tangent, 0.0);
-  Span span{1.0, 0.0};
-  for (const double inverse_focus : {lens.least_inverse_focus, lens.most_inverse_focus}) {
-    const double turn = (side == 1 ? 1.0 : -1.0) * reach * inverse_focus;
-    span = join(span, within(tangent - turn, reach));
-    span = join(span, within(tangent + turn, -reach));
-  }
-  return span;
+  return view_.inside(axis, side, tangent, within);
 }
 
 Span MovingDisc::tile(int x, int y) const {

@@ -152,18 +152,7 @@ Span MovingTriangle::plane(int axis, int side, double tangent) const {
     for (int k = 0; k < controls; ++k) line.t[k] = static_cast<double>(k) / degree_, line.v[k] = value[k];
     return where_not_above(line);
   };
-  const LensReach& lens = view_.lens;
-  const double reach = axis == 0 ? lens.x : lens.y;
-  if (!(reach > 0.0)) return within(tangent, 0.0);
-  // Rays through the lens reach R|1 − z/F| beyond the tile's side at depth z, and what is outside is beyond
-  // both lines of it. F may change.
-  Span span{1.0, 0.0};
-  for (const double inverse_focus : {lens.least_inverse_focus, lens.most_inverse_focus}) {
-    const double turn = (side == 1 ? 1.0 : -1.0) * reach * inverse_focus;
-    span = join(span, within(tangent - turn, reach));
-    span = join(span, within(tangent + turn, -reach));
-  }
-  return span;
+  return view_.inside(axis, side, tangent, within);
 }
 
 /// The time in which no edge has all of the tile outside, about the place (x, y).

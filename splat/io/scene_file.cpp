@@ -183,6 +183,23 @@ void replace_camera(const SceneOverrides& overrides, nlohmann::json& document,
   notes.insert(notes.end(), file->notes.begin(), file->notes.end());
 }
 
+/// SceneFile::members() below `at`.
+void count_members(const nlohmann::json& value, const std::string& at,
+                   std::map<std::string, std::size_t>& members) {
+  for (const auto& [name, member] : value.items()) {
+    const std::string pointer = io::join_pointer(at, name);
+    const bool keys = name == "keys" && member.is_array();
+    members[pointer] += keys ? member.size() : 1;
+    if (keys)
+      for (const nlohmann::json& key : member)
+        if (key.is_object()) count_members(key, pointer + "/*", members);
+    if (pointer == "/objects" && member.is_array())
+      for (std::size_t i = 0; i < member.size(); ++i)
+        if (member[i].is_object()) count_members(member[i], pointer + '/' + std::to_string(i), members);
+    if (member.is_object()) count_members(member, pointer, members);
+  }
+}
+
 }  // namespace
 
 Result<SceneFile> read_scene_file(const std::string& path, const SceneOverrides& overrides) {
@@ -199,8 +216,9 @@ Result<SceneFile> scene_from_text(const std::string& text, const std::string& pa
   return io::guarded(path, [&]() -> Result<SceneFile> {
     Result<nlohmann::json> document = io::parse_json(path, text);
     if (!document) return document.error();
-    if (!overrides.camera_file.empty()) replace_camera(overrides, *document, notes);
     SceneFile file;
+    if (document->is_object()) count_members(*document, "", file.members_);
+    if (!overrides.camera_file.empty()) replace_camera(overrides, *document, notes);
     file.path_ = path;
     file.notes_ = std::move(notes);
     parse_scene(JsonNode(*document, path), std::filesystem::path(path).parent_path().string(), overrides,

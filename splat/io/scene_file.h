@@ -131,6 +131,10 @@ class SceneFile {
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const std::vector<ObjectSource>& sources() const { return sources_; }
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// JSON pointers of the members that the file itself has, and how many of each: 1, but for arrays called
+  /// "keys", which count their elements, and for the members of these, whose index is "*":
+  /// "/camera/keys/*/focus". Other arrays but "objects" are not looked into.
+  [[nodiscard]] const std::map<std::string, std::size_t>& members() const { return members_; }
 
   /// The scene with the clouds that the shutter at `frame` sees. Generated clouds and single files are loaded
   /// once and kept; of a sequence only the files around the shutter are held. The scene belongs to this
@@ -178,6 +182,7 @@ class SceneFile {
 
   std::string path_, canonical_, canonical_whole_;
   std::vector<std::string> notes_;
+  std::map<std::string, std::size_t> members_;
   Scene scene_;
   std::vector<ObjectSource> sources_;
   double points_scale_ = 1.0;
