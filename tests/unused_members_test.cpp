@@ -87,6 +87,8 @@ TEST_F(UnusedMembers, AreToldExactlyWhereTheyChangeNoBit) {
       {"moving", "/objects/0/segments", 1, "", "--exact"},
       {"plain", "/objects/0/velocity", {{"unit", "per_frame"}}, "/objects/0/velocity/unit"},
       {"fast", "/objects/0/velocity", {{"unit", "per_frame"}}, ""},
+      {"plain", "/objects/0/source/frame", 3, "/objects/0/source/frame"},
+      {"fast", "/objects/0/source/frame", 3, ""},
       {"plain", "/objects/0/source/color_space", "srgb", "/objects/0/source/color_space"},
       {"fast", "/objects/0/source/color_space", "linear", ""},
       {"fast", "/objects/0/source/attributes", {{"time", "t"}}, "/objects/0/source/attributes/time"},

@@ -102,6 +102,9 @@ class Judge {
     const bool generated = std::holds_alternative<GeneratorSource>(source.points);
     if (!generated && source.velocity == VelocityUnit::per_frame && !rates)
       tell(at + "/velocity/unit", "nothing of it moves by velocities");
+    const auto* file = std::get_if<FileSource>(&source.points);
+    if (file != nullptr && file->end_path.empty() && !rates && !source.stamps && !object.splats.motion)
+      tell(at + "/source/frame", "nothing of it moves by itself");
     if (source.stamps && !rates && source.stamps->sensor.keys.size() < 2)
       tell(at + "/stamps", "neither its points nor a sensor moves");
     if (!given_.fields.contains("/image/segments")) segments(object, at + "/segments");
