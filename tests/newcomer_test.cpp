@@ -113,6 +113,18 @@ TEST_F(Newcomer, NotesNameAFileOnce) {
   const std::string err = render("anim.0001.ply").err;
   expect_said(err, {"note: anim.0001.ply: radii estimated"});
   EXPECT_EQ(err.find("anim.0001.ply: anim.0001.ply"), std::string::npos);
+  // Nor in a folder, nor by the name that a scene gives it.
+  std::filesystem::create_directories(folder_ / "sub");
+  std::filesystem::copy_file(folder_ / "anim.0001.ply", folder_ / "sub/anim.0001.ply");
+  for (const char* scene : {"sub/anim.0001.ply", "named.json"}) {
+    put(folder_ / "named.json", R"({"swept": 1, "film": {"width": 16, "height": 16}, "camera": {"fov": {
+      "axis": "vertical", "degrees": 40}, "keys": [{"eye": [0, 0, 5], "target": [0, 0, 0]}]}, "objects": [
+      {"name": "cloud", "source": {"file": "sub/anim.0001.ply"}}]})");
+    const std::string said = render(scene).err;
+    expect_said(said,
+                {scene[0] == 's' ? "note: anim.0001.ply: radii estimated" : "note: cloud: radii estimated"});
+    EXPECT_EQ(said.find("sub/anim.0001.ply: radii"), std::string::npos) << said;
+  }
 }
 
 }  // namespace

@@ -423,7 +423,9 @@ Result<LoadedCloud> read_files(const CloudSource& source, double first, double l
   if (loaded->cloud.keys.size() > 1) loaded->cloud.path = source.path;
   if (std::string changes = io::what_changes(loaded->cloud); !changes.empty())
     loaded->report.assumed.push_back(std::move(changes));
-  for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
+  // Of one file whoever asked for it knows the name.
+  if (several)
+    for (std::string& note : loaded->notes) note = files[from].path + ": " + note;
   if (Status s = loaded->cloud.validate(); !s) return in_file(s.error(), files[from].path);
   return loaded;
 }

@@ -85,7 +85,7 @@ struct LoadedCloud {
   /// corners.
   std::vector<std::uint8_t> smooth;
   std::vector<CornerNormals> corner_normals;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes;  ///< with the file's path where there are several
   ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
 };
 
