@@ -43,11 +43,13 @@ Status check_rows(const Scene& scene) {
   if (scene.shutter.curve != ShutterShape::box)
     return Error{
         "", "/shutter/curve",
-        "with a row delay the A-buffer has rows that are exposed evenly; --method sampled has others"};
+        "with a row delay the A-buffer has rows that are exposed evenly; --method sampled has others",
+        ErrorKind::unsupported};
   const auto asks = [](const Object& object) { return object.segments > 0; };
   if (scene.model.segments > 0 || std::any_of(scene.objects.begin(), scene.objects.end(), asks))
     return Error{"", "/image/segments",
-                 "with a row delay the A-buffer cuts paths point by point, by \"motion\".\"tolerance_px\""};
+                 "with a row delay the A-buffer cuts paths point by point, by \"motion\".\"tolerance_px\"",
+                 ErrorKind::unsupported};
   return Done{};
 }
 

@@ -139,6 +139,15 @@ TEST_F(UnusedOptions, AreToldByInfoAndDryRunsToo) {
   EXPECT_NE(dry.err.find("--splat-near changes nothing"), std::string::npos) << dry.err;
 }
 
+TEST_F(UnusedOptions, AnErrorThatNothingSeesToIsTold) {
+  const std::string lens = "moving.json --aperture 0.5 --focus 3 ", told = "no error is estimated";
+  EXPECT_NE(render(lens + "--lens-points 9 --max-error 40dB", "a").err.find(told), std::string::npos);
+  EXPECT_EQ(render(lens + "--max-error 40dB", "a").err.find(told), std::string::npos);
+  EXPECT_EQ(render(lens + "--lens-points 9 --samples 9", "a").err.find(told), std::string::npos);
+  EXPECT_EQ(render("moving.json --lens-points 9", "a").err.find(told), std::string::npos)
+      << "there is no lens";
+}
+
 /// A new option has to be one or the other.
 TEST_F(UnusedOptions, EveryOptionIsInTheTableOrAlwaysTells) {
   const std::set<std::string_view> always = {

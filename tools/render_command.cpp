@@ -67,6 +67,8 @@ std::vector<std::string> remarks_on(const RenderArguments& arguments, const Scen
       members.of_frame(unused_members(*arguments.overrides, file, scene), file.path());
   for (const UnusedOption& unused : unused_options(*arguments.overrides, arguments.method.get(), file, scene))
     remarks.push_back(unused.text());
+  if (std::string unseen = unseen_error(*arguments.method, scene); !unseen.empty())
+    remarks.push_back(std::move(unseen));
   return remarks;
 }
 

@@ -149,6 +149,17 @@ std::vector<UnusedOption> unused_options(const SceneOverrides& given, const Meth
   return unused;
 }
 
+std::string unseen_error(const MethodChoice& method, const Scene& scene) {
+  const Aperture& lens = scene.camera.aperture;
+  if (method.method != "sampled" || method.arguments.given("--samples") || lens.samples == 0 ||
+      !(lens.radius > 0.0))
+    return {};
+  return "the lens is looked through " + std::to_string(lens.samples) +
+         " points, as it is said to be, and no error is estimated: without \"samples\" of the lens as many "
+         "are "
+         "taken as the error asked for takes";
+}
+
 std::vector<std::string_view> options_with_needs() {
   std::vector<std::string_view> options;
   for (const Rule& rule : rules()) options.push_back(rule.option);

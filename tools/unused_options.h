@@ -34,6 +34,10 @@ struct UnusedOption {
 [[nodiscard]] std::optional<std::string> why_unused(std::string_view option, const SceneFile& file,
                                                     const Scene& scene);
 
+/// That an error which is asked for, or goes without saying, is not seen to: the scene says through how many
+/// points its lens is looked. Empty: it is.
+[[nodiscard]] std::string unseen_error(const MethodChoice& method, const Scene& scene);
+
 /// The options that have an entry in the table.
 [[nodiscard]] std::vector<std::string_view> options_with_needs();
 
