@@ -58,7 +58,8 @@ class Renderer {
     const Exposure all_rows = exposure_.of_all_rows(scene_.film.height);
     const std::size_t bytes = packed_bytes(scene_, all_rows);
     if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
-      return Error{"", "max_seconds", "does not go with rows that are exposed one after the other"};
+      return Error{"", "max_seconds", "does not go with rows that are exposed one after the other",
+                   ErrorKind::unsupported};
     if (control_.max_bytes > 0 && bytes > control_.max_bytes)
       return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
                    ErrorKind::out_of_memory};

@@ -13,6 +13,10 @@ namespace swept {
 namespace {
 
 Error bad(std::string field, std::string reason) { return Error{"", std::move(field), std::move(reason)}; }
+/// Valid, but not for the renderer.
+Error refused(std::string field, std::string reason) {
+  return Error{"", std::move(field), std::move(reason), ErrorKind::unsupported};
+}
 
 /// The same error, with its field seen from the whole scene.
 Error within(const std::string& parent, Error error) {
@@ -148,13 +152,14 @@ Status Scene::validate() const {
 
 Status refuse_row_delay(const Scene& scene, std::string_view renderer) {
   if (scene.shutter.row_delay == 0.0) return Done{};
-  return bad("/shutter/row_delay",
-             "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
+  return refused("/shutter/row_delay",
+                 "rows are exposed one after the other, which " + std::string(renderer) + " does not do");
 }
 
 Status refuse_orthographic(const Scene& scene, std::string_view renderer) {
   if (!scene.camera.orthographic) return Done{};
-  return bad("/camera/height", "the camera is orthographic, which " + std::string(renderer) + " does not do");
+  return refused("/camera/height",
+                 "the camera is orthographic, which " + std::string(renderer) + " does not do");
 }
 
 Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
@@ -162,31 +167,29 @@ Status refuse_lifetimes(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     for (const Lifetime& life : scene.objects[i].cloud.lifetime)
       if (life.born > exposure.open || life.gone <= exposure.close)
-        return bad("/objects/" + std::to_string(i),
-                   "has points that come or go while the shutter is open, which " + std::string(renderer) +
-                       " does not draw");
+        return refused("/objects/" + std::to_string(i),
+                       "has points that come or go while the shutter is open, which " +
+                           std::string(renderer) + " does not draw");
   return Done{};
 }
 
 Status refuse_splats(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].splats.size() > 0)
-      return Error{
-          "", "/objects/" + std::to_string(i),
+      return refused(
+          "/objects/" + std::to_string(i),
           "is made of Gaussian splats, which " + std::string(renderer) +
-              " does not draw; --method sampled does, and \"draw\": \"surfels\" has them read as discs",
-          ErrorKind::unsupported};
+              " does not draw; --method sampled does, and \"draw\": \"surfels\" has them read as discs");
   return Done{};
 }
 
 Status refuse_triangles(const Scene& scene, std::string_view renderer) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (!scene.objects[i].triangles.empty())
-      return Error{"", "/objects/" + std::to_string(i),
-                   "is made of triangles, which " + std::string(renderer) +
-                       " does not draw; --method sampled does, and \"draw\": \"surfels\" has its points "
-                       "drawn as discs",
-                   ErrorKind::unsupported};
+      return refused("/objects/" + std::to_string(i),
+                     "is made of triangles, which " + std::string(renderer) +
+                         " does not draw; --method sampled does, and \"draw\": \"surfels\" has its points "
+                         "drawn as discs");
   return Done{};
 }
 
