@@ -52,6 +52,9 @@ class UnusedMembers : public ::testing::Test {
     scenes_["fast"] = test::unused_scene({{{"source", {{"file", "fast.ply"}}}}});
     scenes_["lens"] = scenes_["moving"];
     scenes_["lens"]["camera"]["lens"] = {{"aperture", 0.5}, {"focus", 3}};
+    scenes_["pulled"] = scenes_["lens"];
+    scenes_["pulled"]["camera"]["lens"].erase("focus");
+    scenes_["pulled"]["camera"]["keys"][0]["focus"] = 3;
     scenes_["pinhole"] = scenes_["lens"];
     scenes_["pinhole"]["camera"]["lens"] = {{"aperture", 0}};
   }
@@ -96,7 +99,8 @@ TEST_F(UnusedMembers, AreToldExactlyWhereTheyChangeNoBit) {
       {"pinhole", "/camera/lens/blades", 5, "/camera/lens/blades"},
       {"pinhole", "/camera/lens/samples", 50, "/camera/lens/samples"},
       {"lens", "/camera/lens/blades", 3, "", "--max-error 40dB"},
-      {"lens", "/camera/keys/0/focus", 2, "", "--max-error 40dB"},
+      {"lens", "/camera/lens/focus", 2, "", "--max-error 40dB"},
+      {"pulled", "/camera/lens/focus", 2, "/camera/lens/focus", "--max-error 40dB"},
       {"lens", "/camera/lens/samples", 9, "", "--exact"},
   };
   for (const Case& c : cases) {
