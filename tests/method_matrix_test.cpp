@@ -162,7 +162,7 @@ std::vector<float> rows_of(const Image& image, const std::vector<int>& rows) {
 }
 std::vector<float> judge_rows(const Scene& scene, const std::vector<int>& rows) {
   const auto judge = [&](const Scene& of) {
-    Result<Rendered> rendered = render_reference(of, {has_lens(of) ? 64 : 128, ReferenceMotion::smooth});
+    Result<Rendered> rendered = render_reference(of, {has_lens(of) ? 64 : 256, ReferenceMotion::smooth});
     EXPECT_TRUE(rendered.ok()) << rendered.error().message();
     return rendered ? std::move(rendered->image) : Image{};
   };
