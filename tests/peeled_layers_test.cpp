@@ -185,7 +185,10 @@ TEST_P(PeeledLayers, AreWhatTheSweepSees) {
       depths = std::max(
           depths, std::abs(double{peeled.depth[i]} / (even ? double{of_plain.depth[i]} : swept_depth) - 1.0));
     }
-    EXPECT_LT(depths, even ? 1e-6 : 1e-4) << seed;
+    // Before a wall alpha is 1 throughout, so that the sweep does not see how a texture's alpha bends depths.
+    if (even || GetParam().texture_alpha < 0.0f) {
+      EXPECT_LT(depths, even ? 1e-6 : 1e-4) << seed;
+    }
     EXPECT_EQ(exact(scene, {}, 1).image.rgba, peeled.rgba);
     EXPECT_EQ(test::render_deep(scene).image.rgba, peeled.rgba);
     AbufferOptions small;
