@@ -337,5 +337,42 @@ TEST_F(CreaseFiles, TrianglesApartAreToldAndDrawn) {
       << notes(*loaded);
 }
 
+/// A fold of two triangles, and `more` points beside it, each with an id; all go to the right.
+std::string fold_with_ids(double x, int more) {
+  std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(4 + more) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nproperty int id\n"
+                    "property float vx\nproperty float vy\nproperty float vz\nelement face 2\n"
+                    "property list uchar int vertex_indices\nend_header\n";
+  const double at[4][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
+  for (int i = 0; i < 4 + more; ++i) {
+    const double* const p = at[i < 4 ? i : 0];
+    ply += std::to_string(x + p[0] + (i < 4 ? 0.0 : 0.1 * i)) + ' ' + std::to_string(p[1]) + ' ' +
+           std::to_string(p[2]) + ' ' + std::to_string(i) + " 2 0 0\n";
+  }
+  return ply + "3 0 2 1\n3 0 3 2\n";
+}
+
+TEST_F(CreaseFiles, PointsThatComeAndGoHaveNoTrianglesAndAreNamed) {
+  const std::string a = write("a.ply", fold_with_ids(0, 0)), b = write("b.ply", fold_with_ids(2, 3));
+  const auto loaded = load({{1.0, a}, {2.0, b}}, 30.0, 1.0, 2.0);
+  ASSERT_FALSE(loaded.ok());
+  EXPECT_EQ(loaded.error().field, "triangles");
+  EXPECT_EQ(loaded.error().kind, ErrorKind::unsupported);
+  EXPECT_NE(loaded.error().reason.find("come and go"), std::string::npos) << loaded.error().message();
+}
+
+TEST_F(CreaseFiles, WhereTheNumberOfPointsChangesAreThoseOfOneFile) {
+  std::string files[2];
+  for (int k = 0; k < 2; ++k) {
+    std::string text = fold_with_ids(2 * k, 3 * k);
+    text.replace(text.find("property int id"), 15, "property int no");
+    files[k] = write(std::to_string(k) + ".ply", text);
+  }
+  const auto loaded = load({{1.0, files[0]}, {2.0, files[1]}}, 30.0, 1.0, 1.4);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_EQ(loaded->copies.size(), 2u) << "both ends of the fold";
+  for (const double frame : {1.0, 1.4}) expect_flat(*loaded, frame);
+}
+
 }  // namespace
 }  // namespace swept::io

@@ -1,19 +1,14 @@
 // Layers of meshes (model section 13): against rays that try every triangle, and what geometry says.
 #include <cmath>
-#include <limits>
-#include <map>
-#include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "abuffer/layers.h"
-#include "abuffer/reference/ray_triangle.h"
-#include "splat/interval/pixel_places.h"
-#include "splat/motion/instant.h"
+#include "abuffer/reference/mesh_layers_at.h"
 #include "tests/mesh_scenes.h"
 
 namespace swept {
@@ -52,84 +47,11 @@ class Layers {
   std::vector<ImageChannel> channels_;
 };
 
-/// One pixel of meshes alone: every ray meets every triangle in world space.
 Pixel judged(const Scene& scene, int x, int y) {
-  const double middle = scene.exposure().middle();
-  const auto film_of = [&](const Object& object, double frame, const Vector3d& in_object) {
-    const CameraInstant camera = scene.camera.at(frame);
-    const Vector3d p =
-        camera.camera_from_world.linear() * (object.transform.at(frame) * in_object - camera.eye);
-    const Projection film = projection_of(scene.film, camera);
-    const double divisor = film.divisor(p.z());
-    return std::pair(Vector2d(film.center_x + film.focal_px * p.x() / divisor,
-                              -film.center_y - film.focal_px * p.y() / divisor),
-                     p.z());
-  };
-  const CameraInstant camera = scene.camera.at(middle);
-  const Projection film = projection_of(scene.film, camera);
-  Pixel best = Pixel::Zero();
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Object& object : scene.objects) {
-    const Eigen::Affine3d world = object.transform.at(middle);
-    const Eigen::Matrix3d normals = world.linear().inverse().transpose();
-    const bool mirrored = world.linear().determinant() < 0.0;
-    Pixel sum = Pixel::Zero();
-    double depths = 0.0;
-    int met = 0;
-    for (std::size_t k = 0; k < pixel_places; ++k) {
-      const reference::Ray ray = reference::ray_at(film, x + 0.5 + double{places_in_pixel.x[k]},
-                                                   y + 0.5 + double{places_in_pixel.y[k]});
-      std::optional<reference::RayHit> hit;
-      const Triangle* of = nullptr;
-      for (const Triangle& triangle : object.triangles) {
-        Vector3d p[3];
-        for (std::size_t i = 0; i < 3; ++i)
-          p[i] = camera.camera_from_world.linear() *
-                 (world * surfel_at(object.cloud, triangle[i], middle).position - camera.eye);
-        const Vector3d face = (p[1] - p[0]).cross(p[2] - p[0]);
-        const bool front = (face.dot(ray.direction) < 0.0) !=
-                           (mirrored != (camera.camera_from_world.linear().determinant() < 0.0));
-        if (!object.two_sided && !front) continue;
-        const auto found = reference::meet_triangle(p, ray, scene.camera.near);
-        if (found && (!hit || found->depth < hit->depth)) {
-          hit = found;
-          of = &triangle;
-        }
-      }
-      if (!hit) continue;
-      ++met;
-      depths += hit->depth;
-      const auto at = [&](double frame) {
-        Vector3d p = Vector3d::Zero();
-        for (int i = 0; i < 3; ++i)
-          p += hit->share[i] * surfel_at(object.cloud, (*of)[static_cast<std::size_t>(i)], frame).position;
-        return p;
-      };
-      Vector3d normal = Vector3d::Zero(), corner[3];
-      for (int i = 0; i < 3; ++i) {
-        const SurfelInstant s = surfel_at(object.cloud, (*of)[static_cast<std::size_t>(i)], middle);
-        normal += hit->share[i] * (normals * s.axis_u.cross(s.axis_v)).normalized();
-        corner[i] = world * s.position;
-      }
-      Vector3d face = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-      const Vector3d ray_world = camera.camera_from_world.linear().transpose() * ray.direction;
-      if (face.dot(ray_world) > 0.0) face = -face;
-      if (normal.dot(face) < 0.0) normal = -normal;
-      sum.head<3>() += normal.normalized();
-      const double open = scene.exposure().open, close = scene.exposure().close;
-      const auto from = film_of(object, middle, at(middle)), to = film_of(object, close, at(close)),
-                 back = film_of(object, open, at(open));
-      if (to.second >= scene.camera.near) sum.segment<2>(3) += (to.first - from.first) / (close - middle);
-      if (back.second >= scene.camera.near) sum.segment<2>(5) += (back.first - from.first) / (middle - open);
-    }
-    if (met == 0 || !(depths / met < nearest)) continue;
-    nearest = depths / met;
-    sum.head<3>().normalize();
-    sum.segment<4>(3) /= met;
-    sum[7] = met / 16.0;
-    best = sum;
-  }
-  return best;
+  const reference::LayersOfPixel layers = reference::mesh_layers_at(scene, x, y);
+  Pixel pixel;
+  pixel << layers.normal, layers.forward, layers.backward, layers.coverage;
+  return pixel;
 }
 
 /// Pixels that differ from the judge's, of those looked at.

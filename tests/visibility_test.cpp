@@ -170,40 +170,6 @@ TEST(LossyIntervals, CostLessTheMoreThereAre) {
   EXPECT_GT(share, 0.99);
 }
 
-/// Half transparent triangles of one colour are peeled off layer by layer, unless the picture by depth is
-/// asked for, too: then their events are swept.
-TEST(PeeledLayers, AreWhatTheSweepSees) {
-  for (unsigned seed = 1; seed <= 4; ++seed) {
-    Scene scene = swarm(30, seed);
-    SurfelCloud& cloud = scene.objects[0].cloud;
-    for (std::size_t t = 0; t < 30; ++t)
-      for (int i = 0; i < 3; ++i)
-        cloud.opacity.push_back(seed % 4 == 0 ? 0.5f : 0.2f + 0.7f * static_cast<float>(t % 7) / 7.0f);
-    scene.objects[0].two_sided = seed % 2 == 0;
-    if (seed % 3 == 0) cloud.acceleration.assign(cloud.size(), {0.8f, -0.4f, 1.2f});
-    if (seed % 4 == 1) scene.shutter.curve = ShutterShape::trapezoid;
-    AbufferOptions deep;
-    deep.deep = true;
-    const Image peeled = value(render_abuffer(scene, {})).image,
-                swept_image = value(render_abuffer(scene, deep)).image;
-    double most = 0.0;
-    for (std::size_t i = 0; i < peeled.rgba.size(); ++i)
-      most = std::max(most, std::abs(double{peeled.rgba[i]} - double{swept_image.rgba[i]}));
-    // Crossings that meet in rounding, and a float's.
-    EXPECT_LT(most, 2e-6) << seed;
-    for (std::size_t i = 0; i < peeled.depth.size(); ++i) {
-      if (!(swept_image.rgba[4 * i + 3] > 0.01f)) continue;
-      EXPECT_NEAR(peeled.depth[i], swept_image.depth[i], 1e-5 * double{swept_image.depth[i]}) << seed;
-    }
-    Scene reversed = scene;
-    std::reverse(reversed.objects[0].triangles.begin(), reversed.objects[0].triangles.end());
-    RenderControl one;
-    one.threads = 1;
-    EXPECT_EQ(value(render_abuffer(scene, {}, one)).image.rgba, peeled.rgba);
-    EXPECT_GT(psnr_db(value(render_abuffer(reversed, {})).image, peeled), 140.0);
-  }
-}
-
 TEST(LossyIntervals, AreOfTriangles) {
   Scene scene = swarm(3, 1);
   scene.objects[0].triangles.clear();

@@ -72,13 +72,15 @@ void ExactPixel::add_one_mesh(const TrianglesOfPixel& of, LightSum& sum, DepthSu
     while (last < of.intervals.size() && of.intervals[last].place == of.intervals[first].place) ++last;
     const Eigen::Vector3d& ray = of.rays[of.intervals[first].place % pixel_places];
     const std::span<PlaceInterval> intervals = of.intervals.subspan(first, last - first);
-    LightSum of_place;
-    if (by_depth == nullptr && PlacePeel::is_for(intervals, of.triangles)) {
-      peel_.add(intervals, of.triangles, ray, of.light, places_.stop, places_.counters, of_place);
-    } else {
+    LightSum of_place, of_events;
+    const bool peels = PlacePeel::is_for(intervals, of.triangles);
+    if (peels) peel_.add(intervals, of.triangles, ray, of.light, places_.stop, places_.counters, of_place);
+    // Samples by depth are those of events. The picture does not depend on whether they are asked for.
+    if (!peels || by_depth != nullptr) {
       view_.clear();
       places_.cut(intervals, of.triangles, ray, view_);
-      add_place(of, ray, of_place, by_depth);
+      add_place(of, ray, of_events, by_depth);
+      if (!peels) of_place = of_events;
     }
     sum.add(of_place, 1.0 / pixel_places);
     first = last;
@@ -96,7 +98,9 @@ void ExactPixel::add_place(const TrianglesOfPixel& of, const Eigen::Vector3d& ra
     for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
       const TriangleStretch& triangle = of.triangles[view_.layers[view_.seen[i]].source];
       plain = plain && triangle.plain;
-      if (triangle.texture != nullptr) add_texel_cuts(triangle, ray, piece.begin, piece.end, cuts_);
+      if (triangle.texture != nullptr)
+        add_texel_cuts([&](double time) { return triangle.on_texture(ray, time); }, piece.begin, piece.end,
+                       cuts_);
     }
     if (plain) {
       add_plain(of, ray, piece, sum);

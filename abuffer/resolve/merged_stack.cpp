@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "abuffer/resolve/coverage_range.h"
 #include "abuffer/resolve/ranking.h"
 #include "abuffer/resolve/time_rule.h"
 
@@ -19,9 +20,6 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr double most_jumps = 0.2;
 /// And how much of the exposure that may be off by in one piece.
 constexpr double jump_error = 0x1p-15;
-
-/// What the clamp of soft coverage may be off by, as in surface_light.cpp.
-constexpr double coverage_error = 0x1p-15;
 
 /// Of what is between two gaps, how much may be resolved from event to event.
 constexpr std::size_t most_apart = 16;
@@ -248,13 +246,11 @@ bool MergedStack::add_surface() {
 bool MergedStack::settled(float weight, float variation, float peaks, float jumps) {
   const float edge = model_.edge_weight();
   const bool first = light_.left[0] == 1.0 && light_.left[1] == 1.0;
-  if (weight - variation >= edge) {
-    if (first) one_covers_ = true;
-    return true;
-  }
-  if (std::min(weight + 2.0f * variation, peaks) <= edge) return true;
-  const double duration = share_of(end_ - begin_), most = 4.0 * double{edge} * coverage_error;
-  if (3.0 * double{variation} * duration <= most) return true;
+  CoverageRange range = CoverageRange::of_members(weight, variation, peaks);
+  if (range.covers(edge) && first) one_covers_ = true;
+  if (range.covers(edge) || range.linear(edge)) return true;
+  const double duration = share_of(end_ - begin_);
+  if (3.0 * double{variation} * duration <= CoverageRange::most_spread(edge)) return true;
   const Members all = active_->members.view();
   if (!instants_known_) {
     (void)math_.sum_over(all, begin_, begin_, at_begin_.data());
@@ -267,10 +263,10 @@ bool MergedStack::settled(float weight, float variation, float peaks, float jump
     if (to(k) == end_) at_end += at_end_[k];
   }
   // The steps are on top of what a parabola can tell.
-  const CoverageRange range = range_of_parabola(at_begin, weight, at_end);
-  const float low = range.low - jumps, high = range.high + jumps;
-  if (low >= edge && first) one_covers_ = true;
-  return low >= edge || high <= edge || double{high - low} * duration <= most;
+  range = CoverageRange::of_parabola(at_begin, weight, at_end);
+  range = {range.low - jumps, range.high + jumps};
+  if (range.covers(edge) && first) one_covers_ = true;
+  return range.settled(edge, duration);
 }
 
 /// Resolves ranking_[first, last) from event to event, and puts it behind what is there as one.

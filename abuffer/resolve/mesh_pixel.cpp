@@ -140,7 +140,8 @@ void MeshPixel::add_smooth(double begin, double end, LightSum& sum) {
   for (const Part& part : parts_)
     if (const TriangleStretch& triangle = (*triangles_)[view_.layers[part.layer].source];
         triangle.texture != nullptr)
-      add_texel_cuts(triangle, (*rays_)[part.place], begin, end, cuts_);
+      add_texel_cuts([&](double time) { return triangle.on_texture((*rays_)[part.place], time); }, begin, end,
+                     cuts_);
   between_cuts(begin, end, cuts_, [&](double a, double b) {
     add_light(
         light_->share(a), light_->share(b), *light_, [&](double time) { return light_at(time); }, sum,

@@ -11,10 +11,6 @@
 namespace swept {
 namespace {
 
-/// A parabola through both ends and the middle stands for a depth that is off its chord by less than this
-/// share of it: then it is off the parabola by less than 10⁻⁷ on the mean, as the fourth power of a
-/// quotient's bend is to its square.
-constexpr double nearly_straight = 0x1p-12;
 /// An interval that was cut goes on at least so much later.
 constexpr double least_step = 0x1p-46;
 
@@ -60,9 +56,8 @@ Chord chord_of(const double* above, const double* below, double from, double to)
 
 bool PlacePeel::is_for(std::span<const PlaceInterval> intervals,
                        const std::vector<TriangleStretch>& triangles) {
-  return std::all_of(intervals.begin(), intervals.end(), [&](const PlaceInterval& i) {
-    return triangles[i.source].plain && !triangles[i.source].opaque;
-  });
+  return std::all_of(intervals.begin(), intervals.end(),
+                     [&](const PlaceInterval& i) { return !triangles[i.source].opaque; });
 }
 
 void PlacePeel::add(std::span<PlaceInterval> intervals, const std::vector<TriangleStretch>& triangles,
@@ -100,9 +95,11 @@ void PlacePeel::add(std::span<PlaceInterval> intervals, const std::vector<Triang
     if (!cut_off_.empty() && cut_off_.back() >= known)
       std::push_heap(cut_off_.begin(), cut_off_.end(), later);
   }
-  spans_.assign(1, {1.0, 1.0});
-  for (std::uint32_t i = first_; i != none; i = layers_[i].next)
+  left_.start();
+  for (std::uint32_t i = first_; i != none; i = layers_[i].next) {
+    throw_if_stopped(stop);
     if (!take(i, sum)) break;
+  }
 }
 
 /// Those of straight paths together.
@@ -255,62 +252,6 @@ void PlacePeel::insert(std::uint32_t layer) {
     last_ = layer;
   }
   active_.insert(active_.begin() + static_cast<std::ptrdiff_t>(before), layer);
-}
-
-/// ∫ z ds over these shares of light.
-double PlacePeel::depth_over(std::uint32_t layer, double first, double last) {
-  const Layer& of = layers_[layer];
-  if (!light_->even() || !(of.bow <= 4.0 * nearly_straight * of.z_middle)) {
-    const PlaceDepth& exact = depth(layer);
-    return smooth_integral(*light_, first, last, [&](double time) { return exact.at(time); });
-  }
-  const double span = (last - first) * of.per_time,
-               middle = (0.5 * first + 0.5 * last - of.since) * of.per_time;
-  const double slope = 4.0 * of.z_middle - 3.0 * of.z_begin - of.z_end,
-               bend = 2.0 * (of.z_begin + of.z_end) - 4.0 * of.z_middle;
-  return (last - first) *
-         (of.z_begin + middle * (slope + middle * bend) + bend * (span * span) * (1.0 / 12.0));
-}
-
-/// Adds what is seen of the layer, and leaves in spans_ the light that it leaves. False: none.
-bool PlacePeel::take(std::uint32_t layer, LightSum& sum) {
-  const Layer& of = layers_[layer];
-  const double from = light_->share(of.begin), to = light_->share(of.end);
-  if (!(from < to)) return true;
-  const float(&rgba)[4] = (*triangles_)[of.source].rgba[0];
-  const double through = 1.0 - double{rgba[3]};
-  next_spans_.clear();
-  bool lit = false;
-  double begin = 0.0, weight = 0.0, depths = 0.0;
-  const auto put = [&](double end, double left) {
-    lit = lit || left > 0.0;
-    if (!next_spans_.empty() && next_spans_.back().left == left)
-      next_spans_.back().end = end;
-    else
-      next_spans_.push_back({end, left});
-  };
-  for (const Span& span : spans_) {
-    const double first = std::max(begin, from), last = std::min(span.end, to);
-    const bool whole = !(begin < first);
-    begin = span.end;
-    if (!(first < last)) {
-      put(span.end, span.left);
-      continue;
-    }
-    if (!whole) put(first, span.left);
-    if (span.left > 0.0) {
-      ++counters_->pieces;
-      weight += span.left * (last - first);
-      depths += span.left * depth_over(layer, first, last);
-    }
-    const double left = span.left * through;
-    put(last, left < double{opaque_transmittance} ? 0.0 : left);
-    if (last < span.end) put(span.end, span.left);
-  }
-  spans_.swap(next_spans_);
-  for (int c = 0; c < 4; ++c) sum.v[c] += weight * double{rgba[c]};
-  sum.v[4] += double{rgba[3]} * depths;
-  return lit;
 }
 
 }  // namespace swept

@@ -1,7 +1,6 @@
 // What stacks of surfaces keep of their members from one piece of time to the next: an order by depth.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -37,20 +36,6 @@ std::size_t renew(const ActiveSet& active, const Depth& depth, std::vector<Ranke
     ranking.push_back({depth(slot), places[slot], slot});
   }
   return kept;
-}
-
-struct CoverageRange {
-  float low, high;
-};
-
-/// Of the parabola over a piece with these ends and this mean: its extremum is where Σρ has its own, if that
-/// has one within.
-[[nodiscard]] inline CoverageRange range_of_parabola(float at_begin, float mean, float at_end) {
-  const float slope = 6.0f * mean - 4.0f * at_begin - 2.0f * at_end;
-  const float curvature = 3.0f * (at_begin + at_end - 2.0f * mean);
-  const float vertex = -0.5f * slope / curvature;
-  const float extremum = vertex > 0.0f && vertex < 1.0f ? at_begin + 0.5f * slope * vertex : at_begin;
-  return {std::min({at_begin, extremum, at_end}), std::max({at_begin, extremum, at_end})};
 }
 
 }  // namespace swept

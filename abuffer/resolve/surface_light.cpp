@@ -3,15 +3,12 @@
 #include <cmath>
 #include <cstring>
 
-#include "abuffer/resolve/ranking.h"
+#include "abuffer/resolve/coverage_range.h"
 #include "abuffer/resolve/surfaces.h"
 #include "abuffer/resolve/time_rule.h"
 
 namespace swept {
 namespace {
-
-/// How much of a pixel's alpha the clamp of soft coverage may be off in one piece.
-constexpr float coverage_error = 0x1p-15f;
 
 constexpr float per_root_three = 0.57735026919f;
 
@@ -84,12 +81,10 @@ void SurfaceStack::add_up(Surface& surface, Ticks begin, Ticks end) const {
 Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
   add_up(surface, begin, end);
   const float edge = model_.edge_weight(), weight = surface.mean.weight;
-  const float least = weight - surface.variation;
-  const float most = std::min(weight + 2.0f * surface.variation, surface.peaks);
-  surface.linear = !model_.hard() && most <= edge;
-  surface.covers = model_.hard() || least >= edge;
-  const bool clamp_is_near = !model_.hard() && least < edge && most > edge;
-  if (!clamp_is_near) return end;
+  CoverageRange range = CoverageRange::of_members(weight, surface.variation, surface.peaks);
+  surface.linear = !model_.hard() && range.linear(edge);
+  surface.covers = model_.hard() || range.covers(edge);
+  if (surface.linear || surface.covers) return end;
   if (surface.widest > longest_span) {
     const Ticks cut = shorten(begin, end, 0.99f * longest_span / surface.widest);
     if (cut < end) return cut;
@@ -106,13 +101,10 @@ Ticks SurfaceStack::measure(Surface& surface, Ticks begin, Ticks end) {
     at_begin += at_begin_[order_[i]];
     at_end += at_end_[order_[i]];
   }
-  const auto [low, high] = range_of_parabola(at_begin, weight, at_end);
-  surface.linear = high <= edge;
-  surface.covers = low >= edge;
-  if (low >= edge || high <= edge) return end;
-  // The mean of the clamped differs from the clamped mean by at most a quarter of the range, whatever its
-  // shape.
-  if (double{high - low} * share_of(end - begin) <= 4.0f * edge * coverage_error) return end;
+  range = CoverageRange::of_parabola(at_begin, weight, at_end);
+  surface.linear = range.linear(edge);
+  surface.covers = range.covers(edge);
+  if (range.settled(edge, share_of(end - begin))) return end;
   // Where a straight line between the ends crosses the clamp, or in the middle if they lie on one side of it.
   const bool crosses = (at_begin < edge) != (at_end < edge);
   return shorten(begin, end,

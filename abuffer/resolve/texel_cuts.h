@@ -10,10 +10,10 @@
 
 namespace swept {
 
-/// Appends, in any order, when within ]begin, end[ the ray passes from texel to texel of the triangle's
-/// texture. Where it passes more than 2¹² of them the rest is left to the eye.
-inline void add_texel_cuts(const TriangleStretch& triangle, const Eigen::Vector3d& ray, double begin,
-                           double end, std::vector<double>& cuts) {
+/// Appends, in any order, when within ]begin, end[ the place on a triangle's texture, on_texture(time),
+/// passes from texel to texel. Where it passes more than 2¹² of them the rest is left to the eye.
+template <class On>
+void add_texel_cuts(const On& on_texture, double begin, double end, std::vector<double>& cuts) {
   using At = TriangleStretch::OnTexture;
   const auto crossing = [&](double from, const At& a, double to, const At& b, double At::*axis) {
     const double low = std::floor(std::min(a.*axis, b.*axis)), line = std::floor(std::max(a.*axis, b.*axis));
@@ -23,7 +23,7 @@ inline void add_texel_cuts(const TriangleStretch& triangle, const Eigen::Vector3
     for (int step = 0; step < 6 && off_first != off_last; ++step) {
       t = first + (last - first) * (off_first / (off_first - off_last));
       if (!(t > from && t < to)) return;
-      const double off = triangle.on_texture(ray, t).*axis - line;
+      const double off = on_texture(t).*axis - line;
       if (std::abs(off) < 1e-7) break;
       if ((off < 0.0) == (off_first < 0.0))
         first = t, off_first = off;
@@ -35,7 +35,7 @@ inline void add_texel_cuts(const TriangleStretch& triangle, const Eigen::Vector3
   const auto divide = [&](const auto& self, double from, const At& a, double to, const At& b,
                           int halvings) -> void {
     const double half = 0.5 * from + 0.5 * to;
-    const At middle = triangle.on_texture(ray, half);
+    const At middle = on_texture(half);
     const auto way = [](const At& p, const At& q) {
       return std::max(std::abs(q.x - p.x), std::abs(q.y - p.y));
     };
@@ -48,7 +48,7 @@ inline void add_texel_cuts(const TriangleStretch& triangle, const Eigen::Vector3
     crossing(from, a, to, b, &At::x);
     crossing(from, a, to, b, &At::y);
   };
-  divide(divide, begin, triangle.on_texture(ray, begin), end, triangle.on_texture(ray, end), 12);
+  divide(divide, begin, on_texture(begin), end, on_texture(end), 12);
 }
 
 /// Calls add(from, to) for the parts of [begin, end] between these cuts, which it sorts and drops.

@@ -121,8 +121,12 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     for (const float change : more[i]) plain = plain && change == 0.0f;
     opaque = opaque && rgba[i][3] >= 1.0f && rgba[i][3] + more[i][3] >= 1.0f;
   }
+  even_alpha = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    even_alpha = even_alpha && rgba[i][3] == rgba[0][3] && more[i][3] == 0.0f;
   texture = object.texture_of(t);
   if (texture != nullptr) {
+    even_alpha = even_alpha && of.opaque_texture(t);
     for (std::size_t i = 0; i < 3; ++i)
       uv[i][0] = object.texture_corners[t][i].x(), uv[i][1] = object.texture_corners[t][i].y();
     plain = false;
@@ -215,7 +219,7 @@ void TriangleStretch::keep_of(const Eigen::Vector3d& ray, double from, double to
   low = std::max(low - 1e-12 * std::abs(low), nearest_);
   high = std::min(high + 1e-12 * std::abs(high), farthest_);
   // Layers that are peeled off find closer bounds by themselves.
-  if (high - low > flat_enough * low && (opaque || !plain)) {
+  if (high - low > flat_enough * low && opaque) {
     const FixedBernstein<2 * n> e[3] = {edge_at<n>(edge_[0], ray), edge_at<n>(edge_[1], ray),
                                         edge_at<n>(edge_[2], ray)};
     const DepthOf<n> depth(e, z_);
@@ -289,42 +293,64 @@ void TriangleStretch::meet_of(const Eigen::Vector3d& ray, double from, double to
 
 TriangleStretch::OnTexture TriangleStretch::on_texture(const Eigen::Vector3d& ray, double time) const {
   const double t = std::clamp(local(time), 0.0, 1.0);
+  return texels({edge_[0].at(ray).at(t), edge_[1].at(ray).at(t), edge_[2].at(ray).at(t)});
+}
+
+TriangleStretch::OnTexture TriangleStretch::texels(const double (&e)[3]) const {
   double weight = 0.0, at[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double e = edge_[i].at(ray).at(t);
-    weight += e;
-    for (int c = 0; c < 2; ++c) at[c] += e * double{uv[i][c]};
+    weight += e[i];
+    for (int c = 0; c < 2; ++c) at[c] += e[i] * double{uv[i][c]};
   }
   if (weight == 0.0) return {0.0, 0.0};
   return {at[0] / weight * texture->width - 0.5, (1.0 - at[1] / weight) * texture->height - 0.5};
 }
 
+namespace {
+
+/// What rounding puts outside lies on the edge. Returns their sum.
+double put_inside(double (&e)[3]) {
+  const double side = e[0] + e[1] + e[2] < 0.0 ? -1.0 : 1.0;
+  double weight = 0.0;
+  for (double& v : e) weight += v = std::max(0.0, side * v);
+  return weight;
+}
+
+}  // namespace
+
+void TriangleStretch::color(const double (&edge)[3], double t, double (&seen)[4]) const {
+  double e[3] = {edge[0], edge[1], edge[2]};
+  const double weight = put_inside(e);
+  if (plain || !(weight > 0.0)) return void(std::copy_n(rgba[0], 4, seen));
+  mix(e, weight, t, seen);
+}
+
+void TriangleStretch::mix(const double (&e)[3], double weight, double t, double (&seen)[4]) const {
+  const double share[3] = {e[0] / weight, e[1] / weight, e[2] / weight};
+  for (int c = 0; c < 4; ++c) {
+    seen[c] = 0.0;
+    for (int i = 0; i < 3; ++i) seen[c] += share[i] * (double{rgba[i][c]} + t * double{more[i][c]});
+  }
+  if (texture == nullptr) return;
+  double at[2] = {0.0, 0.0};
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 2; ++c) at[c] += share[i] * double{uv[i][c]};
+  const Eigen::Vector4f texel = texture->at(at[0], at[1]);
+  for (int c = 0; c < 4; ++c) seen[c] *= double{texel[c]};
+}
+
 template <int n>
 TriangleStretch::Look TriangleStretch::look_of(const Eigen::Vector3d& ray, double time) const {
   const double t = std::clamp(local(time), 0.0, 1.0);
-  double e[3], all = 0.0;
-  for (int i = 0; i < 3; ++i) all += e[i] = edge_at<n>(edge_[i], ray).at(t);
-  // What rounding puts outside lies on the edge.
-  const double side = all < 0.0 ? -1.0 : 1.0;
-  double weight = 0.0;
-  for (double& v : e) weight += v = std::max(0.0, side * v);
+  double e[3];
+  for (int i = 0; i < 3; ++i) e[i] = edge_at<n>(edge_[i], ray).at(t);
+  const double weight = put_inside(e);
   Look seen{nearest_, {rgba[0][0], rgba[0][1], rgba[0][2], rgba[0][3]}};
   if (!(weight > 0.0)) return seen;
   double z = 0.0;
   for (int i = 0; i < 3; ++i) z += e[i] * fixed<n>(z_[i]).at(t);
   seen.depth = z / weight;
-  if (plain) return seen;
-  for (int c = 0; c < 4; ++c) {
-    seen.rgba[c] = 0.0;
-    for (int i = 0; i < 3; ++i) seen.rgba[c] += e[i] / weight * (double{rgba[i][c]} + t * double{more[i][c]});
-  }
-  if (texture != nullptr) {
-    double at[2] = {0.0, 0.0};
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 2; ++c) at[c] += e[i] / weight * double{uv[i][c]};
-    const Eigen::Vector4f texel = texture->at(at[0], at[1]);
-    for (int c = 0; c < 4; ++c) seen.rgba[c] *= double{texel[c]};
-  }
+  if (!plain) mix(e, weight, t, seen.rgba);
   return seen;
 }
 

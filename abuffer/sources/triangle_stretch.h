@@ -38,6 +38,7 @@ class TriangleStretch {
   std::uint32_t mesh, triangle;
   double begin, end;                 ///< of the stretch
   bool plain, opaque;                ///< all corners have one colour; no light comes through
+  bool even_alpha;                   ///< light comes through alike, anywhere and at any time
   float least_alpha;                 ///< anywhere on it, at any time
   float rgba[3][4];                  ///< premultiplied, as the stretch begins
   float more[3][4];                  ///< and by how much more as it ends
@@ -94,6 +95,19 @@ class TriangleStretch {
   };
   [[nodiscard]] OnTexture on_texture(const Eigen::Vector3d& ray, double time) const;
 
+  /// The ray's edge functions over the stretch, of 2n + 1 coefficients in Bernstein form; returns n.
+  int edges(const Eigen::Vector3d& ray, double (&e)[3][2 * most_path_degree + 1]) const {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k <= 2 * degree_; ++k) {
+        const Eigen::Vector3d& normal = edge_[i].normal(static_cast<std::size_t>(k));
+        e[i][k] = normal.x() * ray.x() + (normal.y() * ray.y() + normal.z());
+      }
+    return degree_;
+  }
+  /// What look() and on_texture() see where edge functions have these values, at a share `t` of the stretch.
+  void color(const double (&e)[3], double t, double (&rgba)[4]) const;
+  [[nodiscard]] OnTexture texels(const double (&e)[3]) const;
+
  private:
   template <int n>
   [[nodiscard]] bool misses_of(const Eigen::Vector3d& ray, double half_x, double half_y) const;
@@ -110,6 +124,8 @@ class TriangleStretch {
 
   template <int n>
   void set_depth();
+  /// By edge functions that are none of them below 0, and their sum.
+  void mix(const double (&e)[3], double weight, double t, double (&rgba)[4]) const;
 
   int degree_;
   double near_;

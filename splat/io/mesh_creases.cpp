@@ -82,9 +82,13 @@ Status split_at_creases(const CloudSource& source, std::size_t reference, Loaded
   const std::vector<std::uint8_t> smooth = std::move(loaded.smooth);
   const std::vector<CornerNormals> corners = std::move(loaded.corner_normals);
   const std::size_t count = cloud.size();
-  if ((!smooth.empty() && smooth.size() != count) || !cloud.lifetime.empty())
-    return Error{"", "crease_angle", "goes with points that are there in all files of their sequence",
-                 ErrorKind::unsupported};
+  // No triangles are drawn between such (validate() of an object), with creases or without.
+  if (!cloud.lifetime.empty() || (!smooth.empty() && smooth.size() != count))
+    return Error{
+        "", "triangles",
+        "lie between points that come and go with the files of their sequence; \"draw\": \"surfels\" has "
+        "discs drawn instead",
+        ErrorKind::unsupported};
   Result<CreasedMesh> mesh = crease(cloud.keys[reference].pose.position.own(), loaded.triangles,
                                     *source.crease_angle * std::numbers::pi / 180.0, smooth, corners);
   if (!mesh) return mesh.error();

@@ -1,10 +1,11 @@
 // Tables of time: Rönnow's, and the hierarchy beside bins.
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 #include <random>
 
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "abuffer/abuffer.h"
 #include "abuffer/stochastic/stochastic.h"
@@ -46,6 +47,15 @@ Scene loose_triangles(int side_px, int count, double motion_px) {
   Object& object = scene.objects.emplace_back();
   object.cloud.keys.resize(1);
   SurfelPose& pose = object.cloud.keys.front().pose;
+  // Of 10⁷ every byte counts: axes, which nobody looks at, are one for all.
+  static const Eigen::Vector3f axis_u(0.01f, 0.0f, 0.0f), axis_v(0.0f, 0.01f, 0.0f);
+  const std::size_t points = 3 * static_cast<std::size_t>(count);
+  pose.axis_u = PointArray<Eigen::Vector3f>::view({&axis_u, points, 0});
+  pose.axis_v = PointArray<Eigen::Vector3f>::view({&axis_v, points, 0});
+  pose.position.own().reserve(points);
+  object.cloud.color.own().reserve(points);
+  object.cloud.velocity.own().reserve(points);
+  object.triangles.reserve(static_cast<std::size_t>(count));
   std::mt19937_64 random(11);
   const auto uniform = [&](double most) {
     return most * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0);
@@ -57,8 +67,6 @@ Scene loose_triangles(int side_px, int count, double motion_px) {
     for (int i = 0; i < 3; ++i) {
       const double dx = uniform(1.5 / unit), dy = uniform(1.5 / unit), dz = uniform(1.5 / unit);
       pose.position.push_back({x + dx, y + dy, z + dz});
-      pose.axis_u.emplace_back(0.01f, 0.0f, 0.0f);
-      pose.axis_v.emplace_back(0.0f, 0.01f, 0.0f);
       object.cloud.color.push_back(color);
       object.cloud.velocity.emplace_back(static_cast<float>(speed * std::cos(turn)),
                                          static_cast<float>(speed * std::sin(turn)), 0.0f);
@@ -67,6 +75,44 @@ Scene loose_triangles(int side_px, int count, double motion_px) {
     object.triangles.push_back({first, first + 1, first + 2});
   }
   return scene;
+}
+
+/// What a scene of the paper's table is made of.
+struct Glass {
+  const char* title;
+  bool transparent, textured;
+};
+constexpr Glass glasses[] = {
+    {"", false, false}, {", transparent", true, false}, {", transparent, with a texture", true, true}};
+
+/// Colours that change evenly from texel to texel; no light comes through.
+std::shared_ptr<const Texture> patches() {
+  auto texture = std::make_shared<Texture>();
+  texture->width = texture->height = 16;
+  std::mt19937_64 random(5);
+  const auto channel = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
+  for (int i = 0; i < 256; ++i) texture->texels.emplace_back(channel(), channel(), channel(), 1.0f);
+  return texture;
+}
+
+void make(const Glass& glass, Object& object) {
+  if (!glass.transparent) return;
+  // White: looks that change, as normals do, hold in place of opacities.
+  object.cloud.looks.clear();
+  object.cloud.color.clear();
+  object.cloud.opacity.own().assign(object.cloud.size(), 0.5f);
+  if (!glass.textured) return;
+  // Laid over it from the front, four times from end to end.
+  object.texture = patches();
+  const PointArray<Eigen::Vector3d>& position = object.cloud.keys.front().pose.position;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& at : position) box.extend(at);
+  for (const Triangle& triangle : object.triangles) {
+    TextureCorners& corners = object.texture_corners.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] =
+          (4.0 * (position[triangle[i]] - box.min()).head<2>() / box.sizes().maxCoeff()).cast<float>();
+  }
 }
 
 }  // namespace
@@ -83,9 +129,9 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
        "stochastic 128, s", "PSNR, dB", "stochastic to exact", "K as good", "its s", "stochastic to it"},
       {}};
   for (const TraversalScene& of : scenes)
-    for (const double opacity : {1.0, 0.5})
+    for (const Glass& glass : glasses)
       for (const int side : {options.side_px, 2 * options.side_px}) {
-        const std::string title = of.title + (opacity < 1.0 ? ", transparent" : "");
+        const std::string title = of.title + glass.title;
         const auto failed = [&](const std::string& why) {
           table.rows.push_back({title, why});
           table.rows.back().resize(table.columns.size());
@@ -98,15 +144,7 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
         }
         Scene scene = of.scene;
         scene.film = {side, side, 0, 0, 0, 0};
-        for (Object& object : scene.objects)
-          if (opacity < 1.0) {
-            // White: looks that change, as normals do, hold in place of opacities.
-            object.cloud.looks.clear();
-            object.cloud.color.clear();
-            object.cloud.opacity.clear();
-            for (std::size_t i = 0; i < object.cloud.size(); ++i)
-              object.cloud.opacity.push_back(static_cast<float>(opacity));
-          }
+        for (Object& object : scene.objects) make(glass, object);
         const Result<Timed> exact = timed(render_abuffer, scene, AbufferOptions{}),
                             random = timed(render_stochastic, scene, StochasticOptions{});
         if (!exact || !random) {
@@ -116,9 +154,9 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
         const Statistics& counts = exact->rendered.statistics;
         const double db = psnr_db(random->rendered.image, exact->rendered.image);
         Json most = nullptr, seconds = nullptr, ratio = nullptr;
-        // Of the smaller film alone: it is the same on the larger one, and takes long.
+        // Of the smaller film and one colour alone: elsewhere it is the same, and takes long.
         for (const std::size_t k : {2, 4, 8, 16, 32}) {
-          if (side != options.side_px) break;
+          if (side != options.side_px || glass.textured) break;
           AbufferOptions few;
           few.place_intervals = k;
           const Result<Timed> lossy = timed(render_abuffer, scene, few);
@@ -148,8 +186,12 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
       {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "auto, s", "auto to the better one",
        "chosen", "hierarchy, s", "hierarchy to the better one"},
       {}};
-  for (const int count : {10'000, 100'000, 1'000'000})
-    for (const double px : {0.0, 10.0, 30.0, 100.0, 300.0}) {
+  const std::vector<int> counts =
+      options.triangles.empty() ? std::vector{10'000, 100'000, 1'000'000} : options.triangles;
+  const std::vector<double> motions =
+      options.motions_px.empty() ? std::vector{0.0, 10.0, 30.0, 100.0, 300.0} : options.motions_px;
+  for (const int count : counts)
+    for (const double px : motions) {
       if (options.quick && (px * count > 1e5 || count > 10'000)) continue;
       const Scene scene = loose_triangles(options.side_px, count, px);
       std::string failed;

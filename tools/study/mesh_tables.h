@@ -29,6 +29,9 @@ struct MeshTableOptions {
   int side_px = 256;
   int stills = 1024;
   bool quick = false;
+  /// Of hierarchy_table(): how many triangles, and how far they move. Empty: 10⁴ to 10⁶, and 0 to 300 px.
+  std::vector<int> triangles;
+  std::vector<double> motions_px;
 };
 /// Called after each row.
 using RowDone = std::function<void(const StudyTable&)>;
@@ -44,7 +47,8 @@ void make_flat(Object& object);
 [[nodiscard]] StudyTable visibility_table(const std::vector<TraversalScene>& scenes,
                                           const MeshTableOptions& options, const RowDone& done);
 /// Rönnow et al. 2021, Table 1: time, intervals and memory of the exact method, at one size and the double,
-/// and the stochastic method of 128 samples, and of as many as make an equal picture.
+/// and the stochastic method of 128 samples; of each scene as it is, half transparent and white, and half
+/// transparent with a texture.
 [[nodiscard]] StudyTable ronnow_table(const std::vector<TraversalScene>& scenes,
                                       const MeshTableOptions& options, const RowDone& done);
 /// CPU time of the stochastic method by the hierarchy of moving boxes and by bins: primitives, motion in px.

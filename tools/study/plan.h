@@ -31,6 +31,8 @@ struct StudyOptions {
   std::optional<std::array<int, 2>> size;  ///< of the film; else the scene's, with a longest side of 384 px
   bool quick = false;                      ///< few settings, a tenth of the points, a longest side of 160 px
   double points_scale = 1.0;               ///< of all generated objects
+  std::vector<int> triangles;              ///< as in MeshTableOptions
+  std::vector<double> motions_px;          ///< likewise
   RunnerOptions runner;
 };
 

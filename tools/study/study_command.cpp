@@ -119,6 +119,8 @@ class Study {
     MeshTableOptions options;
     options.quick = options_.quick;
     options.stills = header_.reference_samples;
+    options.triangles = options_.triangles;
+    options.motions_px = options_.motions_px;
     options.side_px = options_.size   ? std::max((*options_.size)[0], (*options_.size)[1])
                       : options.quick ? 96
                                       : 256;
@@ -307,6 +309,18 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber);
   command->add_option("--threads", options.runner.method.threads, "Threads; 0 takes all")
       ->check(CLI::Range(0, 1024));
+  command
+      ->add_option("--triangles", options.triangles,
+                   "Of the part hierarchy: so many triangles [10000,100000,1000000]")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 20'000'000))
+      ->type_name("N,...");
+  command
+      ->add_option("--motions", options.motions_px,
+                   "Of the part hierarchy: how far they move, px [0,10,30,100,300]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("PX,...");
   command
       ->add_option("--gpu", options.runner.method.gpu,
                    "Device of the GPU methods, as `swept info --gpus` lists them")
