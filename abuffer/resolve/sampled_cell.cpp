@@ -50,6 +50,8 @@ void SampledCell::begin(const Cell& cell, std::span<const PacketRef> packets) {
   packets_ = packets;
   objects_ = all_objects_;
   *sums_ = {};
+  // What the last cell left.
+  buffers_->touched = all_strips;
   unflushed_ = 0;
   flushed_ = false;
 }
@@ -141,6 +143,11 @@ void SampledCell::place(std::size_t i, std::span<const ObjectInstant> instants) 
 
 namespace {
 
+/// The strip of a pixel of the cell's arrays.
+std::uint32_t strip_of(int pixel) {
+  return 1u << (pixel / cell_pitch / patch_px * cell_strips + pixel % cell_pitch / strip_px);
+}
+
 /// Calls visit(index into the cell's arrays, fragment) for the pixels of the cell that the disc covers.
 template <class Visit>
 void for_each_fragment(const GeneralDisc& disc, const Cell& cell, const Visit& visit) {
@@ -158,6 +165,7 @@ bool SampledCell::shows_other_side(const GeneralDisc::Fragment& f, int pixel) co
 
 void SampledCell::bring_general_to_front(const GeneralDisc& disc) {
   for_each_fragment(disc, cell_, [&](int i, const GeneralDisc::Fragment& f) {
+    buffers_->touched |= strip_of(i);
     const float reached = f.depth + disc.tolerance;
     const bool equal = f.depth == buffers_->front[i];
     if (f.depth < buffers_->front[i] || (equal && rule_.sides && buffers_->side[i] < f.side)) {

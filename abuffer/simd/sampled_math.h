@@ -19,6 +19,10 @@ inline constexpr int cell_pitch = cell_px + 8, cell_rows = cell_px + 4;
 inline constexpr int cell_floats = cell_pitch * cell_rows;
 /// Squares by which a cell remembers how far one can see.
 inline constexpr int patch_px = 8, cell_patches = cell_px / patch_px;
+/// Strips of 16 × 8 pixels by which it remembers where anything was drawn: a bit each, row by row.
+inline constexpr int strip_px = 16, cell_strips = cell_px / strip_px;
+inline constexpr std::uint32_t all_strips = ~std::uint32_t{0};
+static_assert(cell_strips * cell_patches == 32);
 
 /// Points in object space relative to the packet's origin, field by field: x[16] y[16] z[16]. The second pose
 /// may be missing (null): then nothing of that field moves.
@@ -82,6 +86,9 @@ struct CellBuffers {
   float patch_limit[cell_patches * cell_patches];  ///< largest limit of each patch
   bool patch_leaks[cell_patches *
                    cell_patches];  ///< whether light gets through a front surface somewhere in it
+  /// Strips in which anything may have been drawn since clear(); it left the others as they are, but for
+  /// `behind`, which means nothing there. All of them before the first clear().
+  std::uint32_t touched = all_strips;
 };
 
 /// Sums over the instants of a cell.
@@ -148,6 +155,7 @@ struct SampledMath {
                              int x_film, int y_film, int width, int height, const SurfaceRule& rule,
                              const CellBuffers& cell, FragmentBehind* out);
 
+  /// Of what was touched.
   void (*clear)(CellBuffers& cell, int height);
   void (*measure_patches)(CellBuffers& cell, int height);
   /// Turns sums of front surfaces into light: premultiplied colour, alpha, depth by alpha, and what is let

@@ -58,6 +58,31 @@ inline bool may_be_in_front(const CellBuffers& cell, const Span& span, float nea
   return false;
 }
 
+/// Remembers that something is drawn in these pixels.
+inline void touch(CellBuffers& cell, const Span& span) {
+  if (cell.touched == all_strips) return;
+  const std::uint32_t columns = (2u << (span.x_end - 1) / strip_px) - (1u << span.x_begin / strip_px);
+  for (int y = span.y_begin / patch_px; y <= (span.y_end - 1) / patch_px; ++y)
+    cell.touched |= columns << y * cell_strips;
+}
+
+/// Calls visit(x, y) for the first pixels of the vectors of these strips.
+template <class Visit>
+SWEPT_LANE void for_each_vector(std::uint32_t strips, int height, const Visit& visit) {
+  if (strips == all_strips) {
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < cell_px; x += vector_lanes) visit(x, y);
+    return;
+  }
+  for (; strips != 0; strips &= strips - 1) {
+    const int strip = __builtin_ctz(strips);
+    const int x_begin = strip % cell_strips * strip_px, y_begin = strip / cell_strips * patch_px;
+    const int y_end = y_begin + patch_px < height ? y_begin + patch_px : height;
+    for (int y = y_begin; y < y_end; ++y)
+      for (int x = x_begin; x < x_begin + strip_px; x += vector_lanes) visit(x, y);
+  }
+}
+
 /// Whether light gets through the front surfaces somewhere near these pixels.
 inline bool light_reaches(const CellBuffers& cell, const Span& span) {
   for (int y = span.y_begin / patch_px; y <= (span.y_end - 1) / patch_px; ++y)
@@ -181,6 +206,7 @@ SWEPT_LANE void bring_discs_to_front(const PlacedPacket& placed, std::uint32_t l
                                      int width, int height, const SurfaceRule& rule, CellBuffers& cell) {
   for_each_lane(placed, lanes, x_film, y_film, width, height, [&](int lane, const Span& span) {
     if (!may_be_in_front(cell, span, placed.nearest[lane])) return;
+    touch(cell, span);
     if (prefers_4x4(span))
       bring_disc_to_front<Block4x4, sides, parallel>(placed, lane, span, x_film, y_film, rule.near, cell);
     else
@@ -292,21 +318,29 @@ inline std::size_t find_behind_text(const PlacedPacket& placed, std::uint32_t la
 }
 
 inline void clear_text(CellBuffers& cell, int height) {
-  const int count = (height + 4) * cell_pitch;
   const Vector none = all(infinity), zero = all(0.0f);
-  for (int i = 0; i < count; i += vector_lanes) {
+  // The border may keep what it has.
+  for_each_vector(cell.touched, height, [&](int x, int y) {
+    const int i = y * cell_pitch + x;
     store(none, cell.front + i);
     store(none, cell.limit + i);
     for (float* sums : {cell.weight, cell.red, cell.green, cell.blue, cell.alpha, cell.depth})
       store(zero, sums + i);
-  }
+  });
   for (float& limit : cell.patch_limit) limit = infinity;
+  cell.touched = 0;
 }
 
 inline void measure_patches_text(CellBuffers& cell, int height) {
   for (int patch_y = 0; patch_y < cell_patches; ++patch_y) {
     // Rows that the film does not have hold nothing and hide nothing.
     const int y_end = (patch_y + 1) * patch_px < height ? (patch_y + 1) * patch_px : height;
+    float* const limits = cell.patch_limit + patch_y * cell_patches;
+    if ((cell.touched >> patch_y * cell_strips & ((1u << cell_strips) - 1u)) == 0) {
+      for (int patch_x = 0; patch_x < cell_patches; ++patch_x)
+        limits[patch_x] = patch_y * patch_px < height ? infinity : -infinity;
+      continue;
+    }
     alignas(64) float columns[cell_px];
     for (int x = 0; x < cell_px; x += vector_lanes) {
       Vector most = all(-infinity);
@@ -320,7 +354,7 @@ inline void measure_patches_text(CellBuffers& cell, int height) {
         const float limit = columns[patch_x * patch_px + i];
         most = limit > most ? limit : most;
       }
-      cell.patch_limit[patch_y * cell_patches + patch_x] = most;
+      limits[patch_x] = most;
     }
   }
 }
@@ -330,27 +364,26 @@ inline bool shade_front_text(const SurfaceRule& rule, CellBuffers& cell, int hei
   const Vector opaque = all(0x1p-24f);
   std::uint32_t any = 0;
   for (bool& leaks : cell.patch_leaks) leaks = false;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < cell_px; x += vector_lanes) {
-      const int i = y * cell_pitch + x;
-      const Vector weight = load(cell.weight + i);
-      const Mask weighs = least <= weight;
-      const Vector divisor = rule.hard ? weight : larger(weight, edge);
-      const Vector inverse = only(weighs, one / divisor);
-      const Vector alpha = only(weighs, smaller(load(cell.alpha + i) / divisor, one));
-      for (float* color : {cell.red, cell.green, cell.blue}) store(load(color + i) * inverse, color + i);
-      store(only(weighs, alpha * (load(cell.depth + i) / weight)), cell.depth + i);
-      store(alpha, cell.alpha + i);
-      const Vector through = one - alpha;
-      store(through, cell.weight + i);
-      const Vector limit = load(cell.limit + i);
-      const Mask leaks = (opaque < through) & (limit < all(infinity));
-      store(choose(leaks, limit, all(infinity)), cell.behind + i);
-      if (bits(leaks) == 0) continue;
-      any = 1;
-      for (int patch = x / patch_px; patch <= (x + vector_lanes - 1) / patch_px; ++patch)
-        cell.patch_leaks[y / patch_px * cell_patches + patch] = true;
-    }
+  for_each_vector(cell.touched, height, [&](int x, int y) {
+    const int i = y * cell_pitch + x;
+    const Vector weight = load(cell.weight + i);
+    const Mask weighs = least <= weight;
+    const Vector divisor = rule.hard ? weight : larger(weight, edge);
+    const Vector inverse = only(weighs, one / divisor);
+    const Vector alpha = only(weighs, smaller(load(cell.alpha + i) / divisor, one));
+    for (float* color : {cell.red, cell.green, cell.blue}) store(load(color + i) * inverse, color + i);
+    store(only(weighs, alpha * (load(cell.depth + i) / weight)), cell.depth + i);
+    store(alpha, cell.alpha + i);
+    const Vector through = one - alpha;
+    store(through, cell.weight + i);
+    const Vector limit = load(cell.limit + i);
+    const Mask leaks = (opaque < through) & (limit < all(infinity));
+    store(choose(leaks, limit, all(infinity)), cell.behind + i);
+    if (bits(leaks) == 0) return;
+    any = 1;
+    for (int patch = x / patch_px; patch <= (x + vector_lanes - 1) / patch_px; ++patch)
+      cell.patch_leaks[y / patch_px * cell_patches + patch] = true;
+  });
   return any != 0;
 }
 
@@ -359,25 +392,28 @@ inline void add_instant_text(const CellBuffers& cell, const InstantWeights& weig
   const Vector w = all(weights.weight), s = all(weights.alternating), one = all(1.0f);
   float* const quarter = weights.odd != 0.0f ? sums.odd : sums.even;
   const Vector q = all(weights.odd != 0.0f ? weights.odd : weights.even);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < cell_px; x += vector_lanes) {
-      const int i = y * cell_pitch + x;
-      const Vector alpha = load(cell.alpha + i), left = one - alpha;
-      const auto add = [&](Vector what, float* sum) { store(load(sum + i) + what, sum + i); };
-      const Vector red = load(cell.red + i), green = load(cell.green + i), blue = load(cell.blue + i);
-      add(w * red, sums.red);
-      add(w * green, sums.green);
-      add(w * blue, sums.blue);
-      add(w * alpha, sums.alpha);
-      add(w * load(cell.depth + i), sums.depth);
-      if (weights.alternating == 0.0f) continue;
-      const Vector over_red = red + left * all(background[0]), over_green = green + left * all(background[1]);
-      const Vector over_blue = blue + left * all(background[2]);
-      add(s * over_red, sums.alternating_red);
-      add(s * over_green, sums.alternating_green);
-      add(s * over_blue, sums.alternating_blue);
-      add(q * ((over_red + over_green) + over_blue), quarter);
-    }
+  // Where nothing is there is nothing to add but the background, to what the error is estimated from.
+  const bool black = background[0] == 0.0f && background[1] == 0.0f && background[2] == 0.0f;
+  for_each_vector(
+      black || weights.alternating == 0.0f ? cell.touched : all_strips, height, [&](int x, int y) {
+        const int i = y * cell_pitch + x;
+        const Vector alpha = load(cell.alpha + i), left = one - alpha;
+        const auto add = [&](Vector what, float* sum) { store(load(sum + i) + what, sum + i); };
+        const Vector red = load(cell.red + i), green = load(cell.green + i), blue = load(cell.blue + i);
+        add(w * red, sums.red);
+        add(w * green, sums.green);
+        add(w * blue, sums.blue);
+        add(w * alpha, sums.alpha);
+        add(w * load(cell.depth + i), sums.depth);
+        if (weights.alternating == 0.0f) return;
+        const Vector over_red = red + left * all(background[0]),
+                     over_green = green + left * all(background[1]);
+        const Vector over_blue = blue + left * all(background[2]);
+        add(s * over_red, sums.alternating_red);
+        add(s * over_green, sums.alternating_green);
+        add(s * over_blue, sums.alternating_blue);
+        add(q * ((over_red + over_green) + over_blue), quarter);
+      });
 }
 
 }  // namespace
