@@ -71,8 +71,8 @@ void TileRenderer::resolve_pixel(const Window& window, int x, int y, std::size_t
       std::max<std::uint64_t>(counters_.most_fragments, indices.size() + intervals.size());
   const auto discs = [&] {
     DiscsOfPixel of{discs_->fragments(), discs_->shades(), indices};
-    if (discs_->changes_color(local))
-      of.changes = {discs_->changes().data(), discs_->film().raster.row_delay * y};
+    if (discs_->changes_color(local)) of.changes.of = discs_->changes().data();
+    of.changes.later = discs_->film().raster.row_delay * y;
     of.changes.tolerances = discs_->tolerances_change();
     return of;
   };

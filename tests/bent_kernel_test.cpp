@@ -199,14 +199,19 @@ std::vector<MovingKernel> kernels_of(const Scene& scene, SegmentShape shape) {
   std::vector<MovingKernel> kernels;
   KernelMaker maker(scene, scene.exposure(), shape);
   std::vector<KernelSource> sources;
+  std::vector<std::optional<DiscTurn>> turns;
   (void)maker.make_all(
-      [&](const KernelSource& source, const MovingKernel& kernel) {
+      [&](const KernelSource& source, const MovingKernel& kernel, const DiscTurn* turn) {
         sources.push_back(source);
+        turns.push_back(turn != nullptr ? std::optional(*turn) : std::nullopt);
         kernels.push_back(kernel);
       },
       {});
   for (std::size_t k = 0; k < kernels.size(); ++k) {
-    const MovingKernel again = maker.make(sources[k]);
+    std::optional<DiscTurn> turn;
+    const MovingKernel again = maker.make(sources[k], turn);
+    EXPECT_TRUE(turn.has_value() == turns[k].has_value() &&
+                (!turn || turn->content() == turns[k]->content()));
     EXPECT_FALSE(KernelOrder::content_less(kernels[k], again) ||
                  KernelOrder::content_less(again, kernels[k]));
   }

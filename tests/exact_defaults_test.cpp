@@ -96,7 +96,7 @@ TEST(ExactDefaults, DiscsThatFlyThrough) {
     object.cloud.velocity.emplace_back(0.3f, 0.1f, static_cast<float>(random(1.0, 3.0)));
   }
   scene.objects = {object};
-  EXPECT_GE(psnr_of(scene, "discs that come by"), 65.0);
+  EXPECT_GE(psnr_of(scene, "discs that come by"), 70.0);
   EXPECT_GT(segments_of(scene), 2.0);
   Scene alike = scene;
   alike.model.segments = 1;

@@ -108,8 +108,8 @@ TEST(ExactMix, IsTheMeanOfManyInstants) {
   expect_the_mean(scene, "a translucent mesh between translucent discs");
 }
 
-/// As many segments as are made unasked: a depth tolerance that was that of each segment's middle came
-/// to 58.9 and 54.1 dB.
+/// As many segments as are made unasked: with the depth tolerance of each segment's middle these came to 58.9
+/// and 54.1 dB, with its pixel filter to 69.0 and 64.9.
 TEST(ExactMix, FliesThroughUnasked) {
   const auto db = [](const Scene& scene) {
     const Rendered rendered = exact(scene);
@@ -117,8 +117,8 @@ TEST(ExactMix, FliesThroughUnasked) {
     std::printf("%.1f dB, %g kernels\n", found, test::counter(rendered, "kernels"));
     return found;
   };
-  EXPECT_GE(db(flight()), 67.0);
-  EXPECT_GE(db(flight_and_back()), 64.0);
+  EXPECT_GE(db(flight()), 70.0);
+  EXPECT_GE(db(flight_and_back()), 70.0);
 }
 
 TEST(ExactMix, IsTheMeanWhereNobodyChoseTheScene) {

@@ -93,7 +93,7 @@ TEST(KernelMaker, MakesAnyKernelAgainToTheBit) {
     std::vector<MovingKernel> kernels;
     KernelOrder order;
     const KernelCounts counts = maker.make_all(
-        [&](const KernelSource& source, const MovingKernel& kernel) {
+        [&](const KernelSource& source, const MovingKernel& kernel, const DiscTurn*) {
           sources.push_back(source);
           kernels.push_back(kernel);
           order.include(kernel);
@@ -101,8 +101,9 @@ TEST(KernelMaker, MakesAnyKernelAgainToTheBit) {
         {});
     EXPECT_EQ(counts.surfels, 1000u);
     ASSERT_GE(kernels.size(), 800u) << of.name;
+    std::optional<DiscTurn> turn;
     for (std::size_t k = kernels.size(); k-- > 0;)
-      ASSERT_TRUE(same(maker.make(sources[k]), kernels[k])) << of.name << ", kernel " << k;
+      ASSERT_TRUE(same(maker.make(sources[k], turn), kernels[k])) << of.name << ", kernel " << k;
 
     // In their order they are what those have that keep them all.
     std::sort(kernels.begin(), kernels.end(), [&](const MovingKernel& a, const MovingKernel& b) {

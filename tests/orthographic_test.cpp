@@ -1,5 +1,6 @@
 // The orthographic camera: closed forms, the far end of pinholes, and the same picture from every method.
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <utility>
@@ -103,7 +104,9 @@ TEST(Orthographic, MovingDiscsAreThoseOfTheReference) {
   EXPECT_GE(decibels(exact(scene), reference(scene, 1024, ReferenceMotion::segments)), 70.0);
   // And against the curved path, as it is cut unasked and in short chords.
   scene.model.segments = 0;
-  EXPECT_GE(decibels(exact(scene), truth), 68.0);
+  const double unasked = decibels(exact(scene), truth);
+  std::printf("a keyed zoom, unasked: %.1f dB\n", unasked);
+  EXPECT_GE(unasked, 70.0);
   scene.model.segments = 64;
   EXPECT_GE(decibels(exact(scene), truth), 70.0);
   scene.camera.look_ats[1].tan_half_fov_y = scene.camera.look_ats[0].tan_half_fov_y;

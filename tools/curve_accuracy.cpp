@@ -2,8 +2,9 @@
 // scenes that each stress one effect; and for a wheel and spinning discs also at each number of segments that
 // all points have alike.
 //
-// Usage: swept_curve_accuracy [--scenes NAME,…] [--tolerances T,…] [--reference N] [--alike]
-// Prints Markdown. The truth is N instants of the sampled engine, which places points on the true path.
+// Usage: swept_curve_accuracy [--scenes NAME,…] [--tolerances T,…] [--reference N] [--alike N,…] [--chords]
+// Prints Markdown; with --chords what comes out unasked with chords and axes that stand still for segments,
+// too. The truth is N instants of the sampled engine, which places points on the true path.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -201,9 +202,11 @@ int run(int argc, char** argv) {
   std::vector<double> tolerances{1.0, 0.3, 0.1, 0.03};
   std::vector<int> alike;
   int reference = 1024;
+  bool with_chords = false;
   app.add_option("--scenes", names)->delimiter(',');
   app.add_option("--tolerances", tolerances, "px")->delimiter(',')->check(CLI::Range(1e-6, 100.0));
   app.add_option("--alike", alike, "Numbers of segments that all points have alike")->delimiter(',');
+  app.add_flag("--chords", with_chords);
   app.add_option("--reference", reference)->check(CLI::Range(1, 1 << 20));
   CLI11_PARSE(app, argc, argv);
   fmt::print("| scene | cut | segments a point | PSNR, dB | CPU s |\n|---|---|---|---|---|\n");
@@ -215,9 +218,9 @@ int run(int argc, char** argv) {
     many.samples = reference;
     const Result<Rendered> truth = render_sampled(scene, many);
     if (!truth) return fmt::print(stderr, "{}\n", truth.error().message()), 1;
-    const auto measure = [&](const std::string& cut) {
+    const auto measure = [&](const std::string& cut, bool chords = false) {
       const double start = cpu_seconds();
-      const Result<Rendered> exact = render_abuffer(scene, {});
+      const Result<Rendered> exact = render_abuffer(scene, {.parabolas = !chords});
       const double seconds = cpu_seconds() - start;
       if (!exact) return fmt::print(stderr, "{}\n", exact.error().message()), false;
       const auto metrics = compare_images(exact->image, truth->image);
@@ -233,7 +236,7 @@ int run(int argc, char** argv) {
       if (!measure(fmt::format("{} px", tolerance))) return 1;
     }
     scene.motion.tolerance_px = 0.0;
-    if (!measure("default")) return 1;
+    if (!measure("default") || (with_chords && !measure("default, chords", true))) return 1;
     for (const int segments : alike) {
       scene.model.segments = segments;
       if (!measure(fmt::format("{} alike", segments))) return 1;

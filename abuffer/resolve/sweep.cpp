@@ -109,7 +109,8 @@ void PixelSweep::activate(std::uint32_t place, std::uint32_t f) {
   Member member = member_of(*fragments_, f, shades_[shade]);
   if (changes_.tolerances) {
     const Shade& of = shades_[shade];
-    active_.tolerances.push_back({of.depth_tolerance - of.t_mid * of.tolerance_rate, of.tolerance_rate});
+    const auto at_open = static_cast<float>(changes_.later - of.t_mid);
+    active_.tolerances.push_back({of.depth_tolerance + at_open * of.tolerance_rate, of.tolerance_rate});
   }
   if (changes_.of == nullptr) return active_.push(place, member);
   const ShadeChange& change = changes_.of[shade];

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "splat/kernel/screen_bounds.h"
+#include "splat/kernel/turning_kernel.h"
 #include "splat/without_throwing.h"
 
 namespace swept {
@@ -17,10 +17,10 @@ DiscFilm::DiscFilm(const Scene& scene, const Window& window, SegmentShape shape,
                  : scene.shutter.row_delay / (scene.shutter.close - scene.shutter.open)},
       fragment_limit(limit) {
   counts = maker.make_all(
-      [&](const KernelSource& source, const MovingKernel& kernel) {
+      [&](const KernelSource& source, const MovingKernel& kernel, const DiscTurn* turn) {
         ++kernels;
         order.include(kernel);
-        bins.add(source, kernel);
+        bins.add(source, kernel, turn);
       },
       stop);
   throw_if_stopped(stop);
@@ -29,21 +29,35 @@ DiscFilm::DiscFilm(const Scene& scene, const Window& window, SegmentShape shape,
 void DiscFragments::select(std::size_t tile) {
   octagons_.clear();
   kernels_.clear();
+  turns_.clear();
   film_.bins.for_each(tile, [&](const KernelSource& source) {
-    const MovingKernel kernel = film_.maker.make(source);
+    std::optional<DiscTurn> turn;
+    const MovingKernel kernel = film_.maker.make(source, turn);
     Octagon octagon;
-    if (!screen_bounds(kernel, film_.raster.projection, film_.raster.near, octagon)) return;
-    octagons_.push_back({film_.order.key(kernel), static_cast<std::uint32_t>(kernels_.size()), octagon});
+    if (!bounds_of(kernel, turn ? &*turn : nullptr, film_.raster.projection, film_.raster.near, octagon))
+      return;
+    octagons_.push_back({film_.order.key(kernel), static_cast<std::uint32_t>(kernels_.size()),
+                         turn ? static_cast<std::uint32_t>(turns_.size()) : no_turn, octagon});
     kernels_.push_back(kernel);
+    if (turn) turns_.push_back(*turn);
   });
-  std::sort(octagons_.begin(), octagons_.end(), [&](const BoundedKernel& a, const BoundedKernel& b) {
-    return a.key != b.key ? a.key < b.key : KernelOrder::content_less(kernels_[a.index], kernels_[b.index]);
-  });
+  std::sort(octagons_.begin(), octagons_.end(),
+            [&](const BoundedKernel& a, const BoundedKernel& b) { return before(a, b); });
   shades_ = shades_of(kernels_);
   changes_ = changes_of(kernels_, shades_);
   tolerances_change_ = std::any_of(kernels_.begin(), kernels_.end(),
                                    [](const MovingKernel& k) { return k.tolerance_rate != 0.0f; });
   raster_.backs = static_cast<std::uint32_t>(shades_.size() - kernels_.size());
+}
+
+bool DiscFragments::before(const BoundedKernel& a, const BoundedKernel& b) const {
+  if (a.key != b.key) return a.key < b.key;
+  if (KernelOrder::content_less(kernels_[a.index], kernels_[b.index])) return true;
+  const DiscTurn *turn_a = turn_of(a), *turn_b = turn_of(b);
+  if ((turn_a == nullptr && turn_b == nullptr) ||
+      KernelOrder::content_less(kernels_[b.index], kernels_[a.index]))
+    return false;
+  return turn_a == nullptr || (turn_b != nullptr && turn_a->content() < turn_b->content());
 }
 
 bool DiscFragments::gather(const Window& window) {
@@ -52,7 +66,8 @@ bool DiscFragments::gather(const Window& window) {
   if (bound > film_.fragment_limit && window.width * window.height > 1) return false;
   fragments_.count = 0;
   for (const BoundedKernel& kernel : octagons_)
-    rasterize(kernels_[kernel.index], kernel.index, kernel.octagon, raster_, window, fragments_);
+    rasterize(kernels_[kernel.index], turn_of(kernel), kernel.index, kernel.octagon, raster_, window,
+              fragments_);
   sort_by_pixel(window);
   return true;
 }

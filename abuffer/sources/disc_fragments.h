@@ -59,14 +59,20 @@ class DiscFragments final : public FragmentSource {
 
  private:
   struct BoundedKernel {
-    std::uint64_t key;  ///< of KernelOrder
-    std::uint32_t index;
+    std::uint64_t key;          ///< of KernelOrder
+    std::uint32_t index, turn;  ///< `no_turn`: none
     Octagon octagon;
   };
+  static constexpr std::uint32_t no_turn = ~0u;
+  [[nodiscard]] const DiscTurn* turn_of(const BoundedKernel& kernel) const {
+    return kernel.turn == no_turn ? nullptr : &turns_[kernel.turn];
+  }
+  [[nodiscard]] bool before(const BoundedKernel& a, const BoundedKernel& b) const;
   void sort_by_pixel(const Window& window);
 
   const DiscFilm& film_;
   std::vector<MovingKernel> kernels_;  ///< of the tile
+  std::vector<DiscTurn> turns_;        ///< of some of these
   std::vector<Shade> shades_;
   std::vector<ShadeChange> changes_;
   bool tolerances_change_ = false;

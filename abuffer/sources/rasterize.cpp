@@ -56,6 +56,14 @@ RayBend<double> bend_along(const KernelPlane<double>& bending, double x, double 
   return {at.du, at.dv, at.dz};
 }
 
+/// A kernel on its way, as a ray meets it.
+struct SeenKernel {
+  const KernelPlane<double>& plane;
+  const std::optional<KernelPlane<double>>& bending;
+  const std::optional<TurningPlane>& turning;
+  const MovingKernel& kernel;
+};
+
 /// Rays that see one kernel, until there are enough to be looked along at once.
 class RayBatch {
  public:
@@ -72,15 +80,15 @@ class RayBatch {
   }
 
   /// Appends what the rays find, in their order, and forgets them.
-  void append_to(FragmentArrays& out, const KernelPlane<double>& plane,
-                 const std::optional<KernelPlane<double>>& bending, const MovingKernel& kernel,
-                 const RasterModel& model) {
+  void append_to(FragmentArrays& out, const SeenKernel& seen, const RasterModel& model) {
     if (count_ == 0) return;
     out.ensure(count_);
-    if (bending)
-      append_bent(out, plane, *bending, kernel, model);
+    if (seen.turning)
+      append_turning(out, *seen.turning, model);
+    else if (seen.bending)
+      append_bent(out, seen.plane, *seen.bending, seen.kernel, model);
     else
-      append_straight(out, plane, kernel, model);
+      append_straight(out, seen.plane, seen.kernel, model);
     count_ = 0;
   }
 
@@ -113,6 +121,14 @@ class RayBatch {
       if (intersect_bent_tube<double>(plane.along(x_[i], y_[i]), bend_along(bending, x_[i], y_[i]),
                                       kernel.t_begin, kernel.t_end, model.near, model.delta, kernel.weight,
                                       fragment))
+        append(fragment, pixel_[i], shade_[i], out);
+    }
+  }
+
+  void append_turning(FragmentArrays& out, const TurningPlane& turning, const RasterModel& model) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      RayFragment<double> fragment;
+      if (turning.intersect(x_[i], y_[i], model.near, model.delta, fragment))
         append(fragment, pixel_[i], shade_[i], out);
     }
   }
@@ -199,13 +215,17 @@ void append(const RayFragment<double>& f, std::uint32_t pixel, std::uint32_t ker
   out.z_rate[i] = static_cast<float>(f.z_rate);
 }
 
-void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index, const Octagon& octagon,
-               const RasterModel& model, const Window& window, FragmentArrays& fragments) {
+void rasterize(const MovingKernel& of_all_rows, const DiscTurn* turn, std::uint32_t kernel_index,
+               const Octagon& octagon, const RasterModel& model, const Window& window,
+               FragmentArrays& fragments) {
   MovingKernel kernel = of_all_rows;
   const bool parallel = model.projection.orthographic;
   KernelPlane<double> plane(kernel, parallel);
   // What bends a path does not depend on the row: parts of a parabola are bent alike.
   const std::optional<KernelPlane<double>> bending = bending_of(kernel, parallel);
+  std::optional<TurningPlane> turning;
+  if (turn != nullptr) turning.emplace(kernel, *turn, 0.0, parallel);
+  const SeenKernel seen{plane, bending, turning, kernel};
   const double per_pixel = 1.0 / model.projection.focal_px;
   // Of a one-sided disc the back is not seen.
   const bool oriented = plane.oriented() && model.backs != 0;
@@ -216,22 +236,23 @@ void rasterize(const MovingKernel& of_all_rows, std::uint32_t kernel_index, cons
     const Row row = row_of(octagon, window, y);
     if (row.first >= row.last) continue;
     if (model.row_delay != 0.0) {
-      rays.append_to(fragments, plane, bending, kernel, model);
+      rays.append_to(fragments, seen, model);
       kernel = of_all_rows;
       if (!delay(kernel, model.row_delay * y)) continue;
       plane = KernelPlane<double>(kernel, parallel);
+      if (turn != nullptr) turning.emplace(kernel, *turn, model.row_delay * y, parallel);
     }
     const double ray_y = (y + 0.5 - model.projection.center_y) * per_pixel;
     const std::uint32_t row_start = static_cast<std::uint32_t>((y - window.y) * window.width - window.x);
     for (int x = row.first; x < row.last; ++x) {
       const double ray_x = (x + 0.5 - model.projection.center_x) * per_pixel;
       if (!plane.faces(ray_x, ray_y)) continue;
-      if (rays.full()) rays.append_to(fragments, plane, bending, kernel, model);
+      if (rays.full()) rays.append_to(fragments, seen, model);
       rays.add(ray_x, ray_y, row_start + static_cast<std::uint32_t>(x),
                oriented && plane.shows_back(ray_x, ray_y) ? back_index : kernel_index);
     }
   }
-  rays.append_to(fragments, plane, bending, kernel, model);
+  rays.append_to(fragments, seen, model);
 }
 
 std::size_t visited_pixels(const Octagon& octagon, const Window& window) {

@@ -12,6 +12,7 @@
 #include "splat/kernel/moving_kernel.h"
 #include "splat/kernel/ray_kernel.h"
 #include "splat/kernel/screen_bounds.h"
+#include "splat/kernel/turning_kernel.h"
 
 namespace SWEPT_API swept {
 
@@ -59,10 +60,11 @@ struct RasterModel {
 void append(const RayFragment<double>& fragment, std::uint32_t pixel, std::uint32_t kernel,
             FragmentArrays& fragments);
 
-/// Appends the kernel's fragments in `window`. `octagon` is its screen_bounds(). Every pixel's result depends
+/// Appends the kernel's fragments in `window`. `octagon` is its bounds_of(). Every pixel's result depends
 /// on its place on the film alone, not on the window.
-void rasterize(const MovingKernel& kernel, std::uint32_t kernel_index, const Octagon& octagon,
-               const RasterModel& model, const Window& window, FragmentArrays& fragments);
+void rasterize(const MovingKernel& kernel, const DiscTurn* turn, std::uint32_t kernel_index,
+               const Octagon& octagon, const RasterModel& model, const Window& window,
+               FragmentArrays& fragments);
 
 /// How many pixels of `window` rasterize() visits: an upper bound of the fragments it appends.
 [[nodiscard]] std::size_t visited_pixels(const Octagon& octagon, const Window& window);

@@ -41,9 +41,9 @@ void TileBins::put(std::size_t tile, const KernelSource& source) {
   ++entries_;
 }
 
-void TileBins::add(const KernelSource& source, const MovingKernel& kernel) {
+void TileBins::add(const KernelSource& source, const MovingKernel& kernel, const DiscTurn* turn) {
   Octagon octagon;
-  if (!screen_bounds(kernel, projection_, near_, octagon) || !octagon.overlaps(film_.centers())) {
+  if (!bounds_of(kernel, turn, projection_, near_, octagon) || !octagon.overlaps(film_.centers())) {
     ++outside_;
     return;
   }

@@ -18,7 +18,7 @@ class TileBins {
   TileBins(const Window& film_window, int tile_px, const Projection& projection, double near);
 
   /// Puts it into every tile that it touches.
-  void add(const KernelSource& source, const MovingKernel& kernel);
+  void add(const KernelSource& source, const MovingKernel& kernel, const DiscTurn* turn);
 
   /// In any order.
   template <class Visit>

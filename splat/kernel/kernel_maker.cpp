@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "splat/kernel/scene_filter.h"
 #include "splat/motion/cut.h"
 #include "splat/motion/instant.h"
 #include "splat/motion/look.h"
@@ -94,14 +95,6 @@ class AlikePaths {
   std::vector<Place> ends_, middles_;
 };
 
-PixelFilter filter_of(const Scene& scene, const Projection& projection) {
-  // A guard band: beyond it a disc touches the frame with its rim only, if at all.
-  constexpr double guard = 1.3;
-  return {scene.model.filter_radius_px / projection.focal_px,
-          guard * largest_tangent(scene.film, projection, 0),
-          guard * largest_tangent(scene.film, projection, 1), scene.camera.near, projection.orthographic};
-}
-
 }  // namespace
 
 /// Those of one object's points.
@@ -152,8 +145,10 @@ class ObjectKernels {
       if (i % 1024 == 0 && stop.stop_requested()) return;
       const auto make = [&](const PathSegment& segment) {
         MovingKernel kernel;
-        if (fill(i, segment, kernel, counts))
-          visit({static_cast<std::uint32_t>(first_point + i), segment.piece}, kernel);
+        std::optional<DiscTurn> turn;
+        if (fill(i, segment, kernel, turn, counts))
+          visit({static_cast<std::uint32_t>(first_point + i), segment.piece}, kernel,
+                turn ? &*turn : nullptr);
       };
       if (cutter_) {
         const std::vector<PathSegment>& path = cutter_->cut(i, tolerance_);
@@ -171,10 +166,10 @@ class ObjectKernels {
     if (still_) counts.standing_kernels += counts.still_kernels - still_before;
   }
 
-  [[nodiscard]] MovingKernel make(std::size_t i, std::uint32_t piece) const {
+  [[nodiscard]] MovingKernel make(std::size_t i, std::uint32_t piece, std::optional<DiscTurn>& turn) const {
     MovingKernel kernel;
     KernelCounts not_again;
-    fill(i, cutter_ ? cutter_->segment(i, piece) : alike_->segment(i, piece), kernel, not_again);
+    fill(i, cutter_ ? cutter_->segment(i, piece) : alike_->segment(i, piece), kernel, turn, not_again);
     return kernel;
   }
 
@@ -184,7 +179,8 @@ class ObjectKernels {
     side_ = instant.world_from_object.linear().determinant() < 0.0 ? -1.0 : 1.0;
   }
 
-  bool fill(std::size_t i, PathSegment segment, MovingKernel& kernel, KernelCounts& counts) const {
+  bool fill(std::size_t i, PathSegment segment, MovingKernel& kernel, std::optional<DiscTurn>& turn,
+            KernelCounts& counts) const {
     if (cutter_) {
       segment.begin = begin_ + scale_ * segment.begin;
       segment.end = begin_ + scale_ * segment.end;
@@ -192,7 +188,7 @@ class ObjectKernels {
     const double length_of_time = segment.end - segment.begin;
     const bool evenly = alike_ && !exposure_.curve && segment.piece != whole_path;
     return fill(i, segment, evenly ? static_cast<double>(alike_->segments()) : 1.0 / length_of_time, kernel,
-                counts);
+                turn, counts);
   }
 
   [[nodiscard]] double length() const { return exposure_.close - exposure_.open; }
@@ -238,14 +234,26 @@ class ObjectKernels {
                  last = path.last_u.squaredNorm() + path.last_v.squaredNorm();
     const bool nears = filter_.radius != 0.0 && !filter_.orthographic && farthest - nearest > least * nearest;
     const bool grows = std::abs(last - first) > 2.0 * least * std::min(first, last);
-    if (exposure_.row_delay != 0.0 || !(nearest > filter_.near) || (!nears && !grows)) return 0.0f;
+    if (!(nearest > filter_.near) || (!nears && !grows && !path.turns)) return 0.0f;
     const double from = size_at(*path.at_first, path.first, path.first_u, path.first_v),
                  to = size_at(*path.at_last, path.last, path.last_u, path.last_v);
     // As of discs that are large beside the filter, however far they go.
-    if (!(std::abs(to - from) > 0.01 * from)) return 0.0f;
+    if (!path.turns && !(std::abs(to - from) > 0.01 * from)) return 0.0f;
     const double change = scene_.model.depth_tolerance * (to - from);
     const auto rate = static_cast<float>(change / (path.end - path.begin));
     return std::isfinite(rate) ? rate : 0.0f;
+  }
+
+  /// Returns how far along the view the discs at the ends reach.
+  double take_turn(const PathSegment& path, const MovingKernel& kernel, std::optional<DiscTurn>& turn) const {
+    const FilteredDisc first = filter_disc(path.first, path.first_u, path.first_v, filter_),
+                       last = filter_disc(path.last, path.last_u, path.last_v, filter_);
+    const DiscTurn through = turn_through(first, kernel, last);
+    const auto content = through.content();
+    if (!std::all_of(content.begin(), content.end(), [](float f) { return std::isfinite(f); })) return 0.0;
+    turn = through;
+    return std::max(std::hypot(first.axis_u.z(), first.axis_v.z()),
+                    std::hypot(last.axis_u.z(), last.axis_v.z()));
   }
 
   /// Even in time between the ends, and right in the mean, as the path is.
@@ -261,7 +269,7 @@ class ObjectKernels {
 
   /// False: there is none.
   bool fill(std::size_t i, const PathSegment& path, double per_segment, MovingKernel& kernel,
-            KernelCounts& counts) const {
+            std::optional<DiscTurn>& turn, KernelCounts& counts) const {
     const Eigen::Vector3d &c0 = path.first, &c1 = path.last, &axis_u = path.axis_u, &axis_v = path.axis_v;
     // While no light comes in.
     if (!(static_cast<float>(path.begin) < static_cast<float>(path.end))) return false;
@@ -282,14 +290,16 @@ class ObjectKernels {
       ++counts.culled_degenerate;
       return false;
     }
-    const double reach = std::hypot(disc.axis_u.z(), disc.axis_v.z());
+    double reach = std::hypot(disc.axis_u.z(), disc.axis_v.z());
+    kernel.axis_u = disc.axis_u.cast<float>();
+    kernel.axis_v = disc.axis_v.cast<float>();
+    kernel.weight = static_cast<float>(disc.weight);
+    turn.reset();
+    if (path.turns) reach = std::max(reach, take_turn(path, kernel, turn));
     if (std::max({c0.z(), c1.z(), path.bent ? path.middle.z() : c0.z()}) + reach < filter_.near) {
       ++counts.culled_near;
       return false;
     }
-    kernel.axis_u = disc.axis_u.cast<float>();
-    kernel.axis_v = disc.axis_v.cast<float>();
-    kernel.weight = static_cast<float>(disc.weight);
     const double size =
         path.at_middle->zooms() ? size_at(*path.at_middle, kernel.center, axis_u, axis_v) : disc.size;
     kernel.depth_tolerance = static_cast<float>(scene_.model.depth_tolerance * size);
@@ -371,11 +381,11 @@ KernelCounts KernelMaker::make_all(const Visit& visit, const std::stop_token& st
   return counts;
 }
 
-MovingKernel KernelMaker::make(const KernelSource& source) const {
+MovingKernel KernelMaker::make(const KernelSource& source, std::optional<DiscTurn>& turn) const {
   // The last object that begins there: those before it that do have no points.
   const auto next = std::upper_bound(first_point_.begin(), first_point_.end(), std::size_t{source.point});
   const auto k = static_cast<std::size_t>(next - first_point_.begin()) - 1;
-  return objects_[k]->make(source.point - first_point_[k], source.piece);
+  return objects_[k]->make(source.point - first_point_[k], source.piece, turn);
 }
 
 }  // namespace swept

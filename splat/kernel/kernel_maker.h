@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
 #include "splat/export.h"
 #include "splat/kernel/kernel_set.h"
+#include "splat/kernel/turning_kernel.h"
 #include "splat/motion/cut.h"
 
 namespace SWEPT_API swept {
@@ -35,13 +37,14 @@ class KernelMaker {
   /// How many kernels there will be, by some of the points of each object, and a little more.
   [[nodiscard]] std::size_t expected();
 
-  using Visit = std::function<void(const KernelSource&, const MovingKernel&)>;
+  /// No DiscTurn: the axes are those of the middle.
+  using Visit = std::function<void(const KernelSource&, const MovingKernel&, const DiscTurn*)>;
   /// Cuts the paths of all points, by object and point, and visits what build_kernels() has of them. Once
   /// `stop` asks for it, it returns with what was met by then.
   KernelCounts make_all(const Visit& visit, const std::stop_token& stop);
 
   /// One that make_all() has visited. For any threads, after that.
-  [[nodiscard]] MovingKernel make(const KernelSource& source) const;
+  [[nodiscard]] MovingKernel make(const KernelSource& source, std::optional<DiscTurn>& turn) const;
 
  private:
   const Scene& scene_;

@@ -44,8 +44,9 @@ KernelSet build_kernels(const Scene& scene, const Exposure& exposure, const std:
   set.projection = maker.projection();
   set.near = maker.near();
   set.kernels.reserve(maker.expected());
-  static_cast<KernelCounts&>(set) = maker.make_all(
-      [&](const KernelSource&, const MovingKernel& kernel) { set.kernels.push_back(kernel); }, stop);
+  static_cast<KernelCounts&>(set) = maker.make_all([&](const KernelSource&, const MovingKernel& kernel,
+                                                       const DiscTurn*) { set.kernels.push_back(kernel); },
+                                                   stop);
   if (!stop.stop_requested()) sort_by_content(set.kernels);
   return set;
 }

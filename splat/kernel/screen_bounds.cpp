@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "splat/kernel/turning_kernel.h"
+
 namespace swept {
 namespace {
 
@@ -140,36 +142,70 @@ PixelBox united(const PixelBox& a, const PixelBox& b) {
           std::max(a.y_max, b.y_max)};
 }
 
-/// A parabola is within the hull of its straight line's ends, each moved as far as it leaves the line to
-/// either side.
-bool bent_bounds(const MovingKernel& kernel, const Projection& projection, double near, Octagon& octagon) {
-  const double half = kernel.half_time();
-  const Eigen::Vector3d way = half * kernel.velocity, bend = half * half / 3.0 * kernel.bend;
-  const std::array<Eigen::Vector3d, 4> ends{kernel.center - way - bend, kernel.center - way + 2.0 * bend,
-                                            kernel.center + way - bend, kernel.center + way + 2.0 * bend};
-  const Eigen::Vector3d a = kernel.axis_u.cast<double>(), b = kernel.axis_v.cast<double>();
-  const double reach = std::hypot(a.z(), b.z());
-  double nearest = ends[0].z(), farthest = nearest;
-  for (const Eigen::Vector3d& end : ends) {
-    nearest = std::min(nearest, end.z());
-    farthest = std::max(farthest, end.z());
+/// A disc somewhere.
+struct PlacedDisc {
+  Eigen::Vector3d center, u, v;
+};
+
+/// Of what lies in the hull of the first and of the last four.
+bool hull_bounds(const std::array<PlacedDisc, 8>& discs, const Projection& projection, double near,
+                 double margin_px, Octagon& octagon) {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+  for (const PlacedDisc& disc : discs) {
+    const double reach = std::hypot(disc.u.z(), disc.v.z());
+    nearest = std::min(nearest, disc.center.z() - reach);
+    farthest = std::max(farthest, disc.center.z() + reach);
   }
-  if (farthest + reach < near) return false;
+  if (farthest < near) return false;
+  const auto wider = [&](PixelBox box) {
+    return padded(
+        {box.x_min - margin_px, box.x_max + margin_px, box.y_min - margin_px, box.y_max + margin_px});
+  };
   const auto boxes = [&](const auto& box_of) {
-    octagon = {padded(united(box_of(ends[0], a, b, projection), box_of(ends[1], a, b, projection))),
-               padded(united(box_of(ends[2], a, b, projection), box_of(ends[3], a, b, projection)))};
+    const auto around = [&](std::size_t first) {
+      PixelBox box = empty_box();
+      for (std::size_t k = first; k < first + 4; ++k)
+        box = united(box, box_of(discs[k].center, discs[k].u, discs[k].v, projection));
+      return wider(box);
+    };
+    octagon = {around(0), around(4)};
     return true;
   };
   if (projection.orthographic) return boxes(parallel_box);
-  if (nearest - reach > near) return boxes(project_disc);
-  std::array<Eigen::Vector3d, 16> corners;
-  for (std::size_t k = 0; k < corners.size(); ++k)
-    corners[k] =
-        ends[k / 4] + (k % 2 == 0 ? a : Eigen::Vector3d(-a)) + (k / 2 % 2 == 0 ? b : Eigen::Vector3d(-b));
+  if (nearest > near) return boxes(project_disc);
+  std::array<Eigen::Vector3d, 32> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const PlacedDisc& disc = discs[k / 4];
+    corners[k] = disc.center + (k % 2 == 0 ? disc.u : Eigen::Vector3d(-disc.u)) +
+                 (k / 2 % 2 == 0 ? disc.v : Eigen::Vector3d(-disc.v));
+  }
   PixelBox box;
   if (!project_clipped(corners, projection, near, box)) return false;
-  octagon = {padded(box), padded(box)};
+  octagon = {wider(box), wider(box)};
   return true;
+}
+
+/// A parabola is within the hull of its straight line's ends, each moved as far as it leaves the line to
+/// either side.
+std::array<Eigen::Vector3d, 4> parabola_hull(const MovingKernel& kernel) {
+  const double half = kernel.half_time();
+  const Eigen::Vector3d way = half * kernel.velocity, bend = half * half / 3.0 * kernel.bend;
+  return {kernel.center - way - bend, kernel.center - way + 2.0 * bend, kernel.center + way - bend,
+          kernel.center + way + 2.0 * bend};
+}
+
+bool bent_bounds(const MovingKernel& kernel, const Projection& projection, double near, Octagon& octagon) {
+  const auto ends = parabola_hull(kernel);
+  const Eigen::Vector3d a = kernel.axis_u.cast<double>(), b = kernel.axis_v.cast<double>();
+  return hull_bounds({{{ends[0], a, b},
+                       {ends[1], a, b},
+                       {ends[1], a, b},
+                       {ends[1], a, b},
+                       {ends[2], a, b},
+                       {ends[3], a, b},
+                       {ends[3], a, b},
+                       {ends[3], a, b}}},
+                     projection, near, 0.0, octagon);
 }
 
 }  // namespace
@@ -197,6 +233,28 @@ bool screen_bounds(const MovingKernel& kernel, const Projection& projection, dou
   box = padded(box);
   octagon = {box, box};
   return true;
+}
+
+/// Axes on a parabola are between those of the ends, and no more beside than in the middle: so is every point
+/// of the disc.
+bool turning_bounds(const MovingKernel& kernel, const DiscTurn& turn, const Projection& projection,
+                    double near, Octagon& octagon) {
+  // By what a line fitted to the coordinates that a ray sees may leave the disc itself.
+  constexpr double margin_px = 1.0 / 8.0;
+  const double half = kernel.half_time();
+  const auto ends = parabola_hull(kernel);
+  const DiscTurn::Axes first = turn.at(kernel, kernel.t_begin), last = turn.at(kernel, kernel.t_end);
+  const Eigen::Vector3d u = -half * half * turn.u_bend.cast<double>(),
+                        v = -half * half * turn.v_bend.cast<double>();
+  return hull_bounds({{{ends[0], first.u, first.v},
+                       {ends[1], first.u, first.v},
+                       {ends[0], first.u + u, first.v + v},
+                       {ends[1], first.u + u, first.v + v},
+                       {ends[2], last.u, last.v},
+                       {ends[3], last.u, last.v},
+                       {ends[2], last.u + u, last.v + v},
+                       {ends[3], last.u + u, last.v + v}}},
+                     projection, near, margin_px, octagon);
 }
 
 }  // namespace swept

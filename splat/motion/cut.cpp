@@ -1,12 +1,15 @@
 #include "splat/motion/cut.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
 
+#include "splat/kernel/scene_filter.h"
 #include "splat/motion/path.h"
 #include "splat/motion/rims.h"
+#include "splat/motion/turns.h"
 
 namespace swept {
 namespace {
@@ -21,7 +24,6 @@ constexpr float light_tolerance = 0x1p-9f;
 constexpr double least_bend = 0.25;
 /// Of the way from end to end: the direction changes by a fifth of a radian to either side, the speed by 0.4.
 constexpr double most_bend = 0.1;
-
 /// Halves are numbered as the nodes of a binary tree, the root being 1, below the number of their span.
 constexpr int node_bits = 9;
 constexpr std::uint32_t whole_path = ~0u;
@@ -70,6 +72,7 @@ PathCutter::PathCutter(const Scene& scene, const Object& object, const Exposure&
       exposure_(exposure),
       shape_(shape),
       projection_(projection_of(scene.film, scene.camera.at(exposure.middle()))),
+      filter_(filter_of(scene, projection_)),
       looks_change_(looks_change(object.cloud, exposure.open, exposure.close)),
       middle_(place(0.5)) {
   add_corners();
@@ -208,45 +211,42 @@ bool PathCutter::near_path(const Seen& first, const Seen& middle, const Seen& la
   Eigen::Vector3d off = off_chord(first.center, truth.center, last.center, share);
   if (bends(first, middle, last))
     off -= 4.0 * share * (1.0 - share) * off_chord(first.center, middle.center, last.center, 0.5);
-  return !(off.norm() * visible_scale(truth.center) > tolerance_px_);
-}
-
-/// The pixel filter is a length in the middle, where it has the size of a pixel.
-bool PathCutter::same_filter(const Seen& end, const Seen& middle) const {
-  const double scale = visible_scale(end.center), near = scene_.camera.near;
-  if (projection_.orthographic || !(scale > 0.0)) return true;
-  const double tolerance_px = filters_per_path * tolerance_px_, z = end.center.z();
-  const double filter_px = scene_.model.filter_radius_px;
-  if (!filter_may_differ(z, 2.0 * middle.center.z() - z, near, tolerance_px / filter_px)) return true;
-  const double true_radius = filter_px / projection_.focal_px * z;
-  const double radius = true_radius * (std::max(middle.center.z(), near) / z);
-  return !(filters_apart_px({end.axis_u, end.axis_v}, end.center.x() / z, end.center.y() / z, scale, radius,
-                            true_radius) > tolerance_px);
-}
-
-bool PathCutter::near_middle(const Seen& end, const Seen& middle) const {
-  if (!same_filter(end, middle)) return false;
-  const double scale = visible_scale(middle.center);
-  if (!(scale > 0.0)) return true;
-  const Eigen::Vector2d ray = ray_of(middle.center);
-  return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, ray.x(), ray.y(), scale) >
-           rims_per_path * tolerance_px_);
+  const bool bent = bends(first, middle, last);
+  return !(off.norm() * visible_scale(truth.center) > (bent ? bent_part : 1.0) * tolerance_px_);
 }
 
 bool PathCutter::is_one_segment(std::size_t i) {
   const Seen middle = see(i, middle_);
   const Seen first = see(i, at(0, 0)), last = see(i, at(looks_.size() - 1, 1 << finest));
-  if (!near_line(first, middle, last) || !near_middle(first, middle) || !near_middle(last, middle))
-    return false;
+  if (!near_line(first, middle, last)) return false;
+  const Axes axes = axes_of(first, middle, last);
+  if (!axes.follow) return false;
   for (std::size_t span = 0; span < looks_.size(); ++span)
     for (int quarter = span == 0 ? 1 : 0; quarter < 4; ++quarter) {
       const double time = spans_[span] + 0.25 * quarter * (spans_[span + 1] - spans_[span]);
       const Seen truth = see(i, at(span, quarter << (finest - 2)));
-      if (!near_path(first, middle, last, truth, time) || !near_middle(truth, middle)) return false;
+      if (!near_path(first, middle, last, truth, time) || !near_axes(axes, middle, truth, time)) return false;
     }
-  segments_.push_back({0.0, 1.0, first.center, middle.center, last.center, middle.axis_u, middle.axis_v,
-                       bends(first, middle, last), first.light, middle.light, last.light, first.axis_u,
-                       first.axis_v, last.axis_u, last.axis_v, first.at, middle.at, last.at, whole_path});
+  segments_.push_back({0.0,
+                       1.0,
+                       first.center,
+                       middle.center,
+                       last.center,
+                       middle.axis_u,
+                       middle.axis_v,
+                       bends(first, middle, last),
+                       axes.turn.has_value(),
+                       first.light,
+                       middle.light,
+                       last.light,
+                       first.axis_u,
+                       first.axis_v,
+                       last.axis_u,
+                       last.axis_v,
+                       first.at,
+                       middle.at,
+                       last.at,
+                       whole_path});
   return true;
 }
 
@@ -254,19 +254,38 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
                        const Seen& last) {
   const int half = (end - begin) / 2, quarter = half / 2;
   const Seen middle = see(i, at(span, begin + half));
-  bool whole = near_line(first, middle, last) && near_middle(first, middle) && near_middle(last, middle);
+  const Axes axes = axes_of(first, middle, last);
+  bool whole = near_line(first, middle, last) && axes.follow;
+  const auto near = [&](const Seen& truth, double share) {
+    return near_path(first, middle, last, truth, share) &&
+           (!axes.turn || near_axes(axes, middle, truth, share));
+  };
   if (whole)
-    whole = near_path(first, middle, last, see(i, at(span, begin + quarter)), 0.25) &&
-            near_path(first, middle, last, see(i, at(span, end - quarter)), 0.75);
+    whole = near(see(i, at(span, begin + quarter)), 0.25) && near(see(i, at(span, end - quarter)), 0.75);
   if (!whole && end - begin > 1 << (finest - most_halvings)) {
     halve(i, span, begin, begin + half, first, middle);
     halve(i, span, begin + half, end, middle, last);
     return;
   }
   const int node = ((1 << finest) + begin) / (end - begin);
-  segments_.push_back({time(span, begin), time(span, end), first.center, middle.center, last.center,
-                       middle.axis_u, middle.axis_v, bends(first, middle, last), first.light, middle.light,
-                       last.light, first.axis_u, first.axis_v, last.axis_u, last.axis_v, first.at, middle.at,
+  segments_.push_back({time(span, begin),
+                       time(span, end),
+                       first.center,
+                       middle.center,
+                       last.center,
+                       middle.axis_u,
+                       middle.axis_v,
+                       bends(first, middle, last),
+                       axes.turn.has_value(),
+                       first.light,
+                       middle.light,
+                       last.light,
+                       first.axis_u,
+                       first.axis_v,
+                       last.axis_u,
+                       last.axis_v,
+                       first.at,
+                       middle.at,
                        last.at,
                        static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)});
 }
@@ -289,6 +308,7 @@ PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
           middle.axis_u,
           middle.axis_v,
           bends(first, middle, last),
+          axes_of(first, middle, last).turn.has_value(),
           first.light,
           middle.light,
           last.light,

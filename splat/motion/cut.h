@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "splat/export.h"
+#include "splat/kernel/moving_kernel.h"
 #include "splat/motion/instant.h"
 #include "splat/motion/look.h"
 
@@ -20,6 +21,7 @@ struct PathSegment {
   Eigen::Vector3d first, middle, last;  ///< centres
   Eigen::Vector3d axis_u, axis_v;       ///< in the middle
   bool bent = false;                    ///< a parabola through the three
+  bool turns = false;                   ///< axes, too, and those of the pixel filter
   /// Premultiplied; where looks_change() over the exposure, else not set.
   Eigen::Vector4f first_light = Eigen::Vector4f::Zero(), middle_light = first_light, last_light = first_light;
   /// Axes at the ends.
@@ -31,7 +33,9 @@ struct PathSegment {
 /// What a path is cut into.
 enum class SegmentShape {
   chords,
-  parabolas,  ///< where they turn by little and each ray sees a small part of one (kernel/bent_kernel.h)
+  /// Where they turn by little and each ray sees a small part of one (kernel/bent_kernel.h); and of axes,
+  /// where discs turn, grow or come nearer (kernel/turning_kernel.h).
+  parabolas,
 };
 
 /// Cuts the points of one object.
@@ -47,7 +51,8 @@ class PathCutter {
   /// of the path. Nor is the pixel filter of the middle 0.6 times that from the one where it is used.
   /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Of parabolas it is what they are
   /// off by half-way to the middle that may be as much, and the chord's error there times the square of what
-  /// part of the time a ray sees the disc for. Valid until the next call. Not for several threads at once.
+  /// part of the time a ray sees the disc for. Where axes are parabolas it is so with rims and filters, while
+  /// the disc shows one side. Valid until the next call. Not for several threads at once.
   const std::vector<PathSegment>& cut(std::size_t i, double tolerance_px);
 
   /// A segment that cut() has once returned of this point at the tolerance of its last call, to the bit. For
@@ -81,8 +86,13 @@ class PathCutter {
   [[nodiscard]] double way_px(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] bool bends(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] double seen_share(const Seen& first, const Seen& middle, const Seen& last) const;
-  [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle) const;
-  [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle) const;
+  [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle, double part = 1.0) const;
+  [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle, double part) const;
+  [[nodiscard]] FilteredDisc filtered(const Seen& seen, const FilteredDisc* towards) const;
+  struct Axes;
+  [[nodiscard]] bool shows_one_side(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] Axes axes_of(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] bool near_axes(const Axes& axes, const Seen& middle, const Seen& truth, double share) const;
   [[nodiscard]] double visible_scale(const Eigen::Vector3d& center) const;
   bool is_one_segment(std::size_t i);
   void halve(std::size_t i, std::size_t span, int begin, int end, const Seen& first, const Seen& last);
@@ -93,6 +103,7 @@ class PathCutter {
   Exposure exposure_;
   SegmentShape shape_;
   Projection projection_;
+  PixelFilter filter_;
   bool looks_change_;
   double tolerance_px_ = 0.1;
   std::vector<double> spans_;  ///< 0, corners, 1

@@ -1,0 +1,113 @@
+// Which axes a segment has, and whether they follow the disc.
+#include "splat/motion/cut.h"
+
+#include <cmath>
+
+#include "splat/motion/rims.h"
+#include "splat/motion/turns.h"
+
+namespace swept {
+namespace {
+
+/// Of what rims and filters may be off by: what changes less keeps the axes of its middle, and of discs that
+/// come to show another side no more is left so.
+constexpr double least_turn = 0.25;
+/// What rims may be off by where axes are parabolas, of the tolerance: less, for all discs that come nearer
+/// err to one side at one time.
+constexpr double turn_part = 0.05;
+/// Of a disc's weight in the middle: by how much it may change while a ray sees it, and be off a parabola.
+constexpr double most_weight_change = 0.5, most_weight_off = 0.02;
+
+KernelPlane<double> plane_of(const FilteredDisc& disc, const Eigen::Vector3d& center, bool orthographic) {
+  MovingKernel kernel;
+  kernel.center = center;
+  kernel.velocity.setZero();
+  kernel.axis_u = disc.axis_u.cast<float>();
+  kernel.axis_v = disc.axis_v.cast<float>();
+  kernel.facing.setZero();
+  return KernelPlane<double>(kernel, orthographic);
+}
+
+}  // namespace
+
+/// The pixel filter is a length in the middle, where it has the size of a pixel.
+bool PathCutter::same_filter(const Seen& end, const Seen& middle, double part) const {
+  const double scale = visible_scale(end.center), near = scene_.camera.near;
+  if (projection_.orthographic || !(scale > 0.0)) return true;
+  const double tolerance_px = part * filters_per_path * tolerance_px_, z = end.center.z();
+  const double filter_px = scene_.model.filter_radius_px;
+  if (!filter_may_differ(z, 2.0 * middle.center.z() - z, near, tolerance_px / filter_px)) return true;
+  const double true_radius = filter_px / projection_.focal_px * z;
+  const double radius = true_radius * (std::max(middle.center.z(), near) / z);
+  return !(filters_apart_px({end.axis_u, end.axis_v}, end.center.x() / z, end.center.y() / z, scale, radius,
+                            true_radius) > tolerance_px);
+}
+
+bool PathCutter::near_middle(const Seen& end, const Seen& middle, double part) const {
+  if (!same_filter(end, middle, part)) return false;
+  const double scale = visible_scale(middle.center);
+  if (!(scale > 0.0)) return true;
+  const Eigen::Vector2d ray = ray_of(middle.center);
+  return !(rims_apart_px({end.axis_u, end.axis_v}, {middle.axis_u, middle.axis_v}, ray.x(), ray.y(), scale) >
+           part * rims_per_path * tolerance_px_);
+}
+
+/// As build_kernels() has it; turned within itself, if to be as near as it can to another.
+FilteredDisc PathCutter::filtered(const Seen& seen, const FilteredDisc* towards) const {
+  FilteredDisc disc = filter_disc(seen.center, seen.axis_u, seen.axis_v, filter_);
+  if (towards != nullptr) turn_towards(towards->axis_u, towards->axis_v, disc.axis_u, disc.axis_v);
+  return disc;
+}
+
+bool PathCutter::shows_one_side(const Seen& first, const Seen& middle, const Seen& last) const {
+  const auto side = [&](const Seen& seen) {
+    if (!(seen.center.z() > scene_.camera.near)) return 0;
+    const Eigen::Vector3d normal = seen.axis_u.cross(seen.axis_v);
+    const double faces = projection_.orthographic ? normal.z() : normal.dot(seen.center);
+    return faces > 0.0 ? 1 : faces < 0.0 ? -1 : 0;
+  };
+  return side(middle) != 0 && side(first) == side(middle) && side(last) == side(middle);
+}
+
+/// Which axes a segment has. Those of its middle where they hardly change, and, less exactly, where another
+/// side of the disc comes to be seen.
+PathCutter::Axes PathCutter::axes_of(const Seen& first, const Seen& middle, const Seen& last) const {
+  const auto near = [&](double part) {
+    return near_middle(first, middle, part) && near_middle(last, middle, part);
+  };
+  Axes axes;
+  if (shape_ != SegmentShape::parabolas || !shows_one_side(first, middle, last)) {
+    axes.follow = near(shape_ == SegmentShape::parabolas ? least_turn : 1.0);
+    return axes;
+  }
+  axes.follow = near(least_turn);
+  if (axes.follow) return axes;
+  const FilteredDisc there = filtered(middle, nullptr), from = filtered(first, &there),
+                     to = filtered(last, &there);
+  axes.turn.emplace(FilmDisc(from, first.center, projection_), FilmDisc(there, middle.center, projection_),
+                    FilmDisc(to, last.center, projection_));
+  const bool parallel = projection_.orthographic;
+  axes.planes = {plane_of(from, first.center, parallel), plane_of(there, middle.center, parallel),
+                 plane_of(to, last.center, parallel)};
+  const double share = seen_share(first, middle, last);
+  axes.follow = axes.turn->bend_px() * share * share <= turn_part * tolerance_px_ &&
+                axes.turn->weight_change() * share <= most_weight_change;
+  return axes;
+}
+
+/// Whether they follow the disc at a share of the time, too.
+bool PathCutter::near_axes(const Axes& axes, const Seen& middle, const Seen& truth, double share) const {
+  if (!axes.turn) return near_middle(truth, middle);
+  const FilteredDisc there = filtered(middle, nullptr);
+  const FilmDisc disc(filtered(truth, &there), truth.center, projection_);
+  if (!(axes.turn->off_px(disc, share) <= turn_part * tolerance_px_ &&
+        axes.turn->weight_off(disc, share) <= most_weight_off))
+    return false;
+  // A ray through the centre there is far from the disc at the ends, where a disc that turns looks otherwise.
+  const Eigen::Vector3d off = axes.along(
+      projection_.orthographic ? Eigen::Vector2d(truth.center.head<2>()) : ray_of(truth.center), share);
+  return (disc.film * off.head<2>()).norm() <= bent_part * tolerance_px_ &&
+         visible_scale(truth.center) * std::abs(off.z() - truth.center.z()) <= bent_part * tolerance_px_;
+}
+
+}  // namespace swept
