@@ -81,13 +81,18 @@ double rmse(const Image& a, const Image& b) {
 }
 
 /// 80 dB, on top of what the reference is off by itself. Its estimate is of RGB and within a factor of √1.5.
+/// Of chords, along which the reference goes too; parabolas are nearer to the true path.
 void expect_agreement(const Scene& scene, int samples) {
   auto reference = render_reference(scene, {samples, ReferenceMotion::segments});
   ASSERT_TRUE(reference.ok()) << reference.error().message();
   const double own = counter(*reference, "reference_error_rmse");
-  const double error = rmse(render(scene), reference->image);
-  EXPECT_LT(error, std::hypot(1e-4, 1.5 * own)) << "the reference is off by " << own;
+  const Image chords = render(scene, {.parabolas = false}), parabolas = render(scene);
+  EXPECT_LT(rmse(chords, reference->image), std::hypot(1e-4, 1.5 * own)) << "the reference is off by " << own;
   EXPECT_LT(own, 4e-4) << "the reference is too coarse to judge";
+  if (same_bits(chords, parabolas)) return;
+  auto truth = render_reference(scene, {samples, ReferenceMotion::smooth});
+  ASSERT_TRUE(truth.ok()) << truth.error().message();
+  EXPECT_LT(rmse(parabolas, truth->image), std::hypot(1e-4, rmse(chords, truth->image)));
 }
 
 TEST(Abuffer, AgreesWithTheReferenceWhereSurfacesCross) { expect_agreement(busy_scene(), 512); }

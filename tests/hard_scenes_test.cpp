@@ -31,7 +31,7 @@ TEST_P(HardSceneTest, IsTheReference) {
   const oracle::HardScene& hard = GetParam();
   Scene scene = hard.make();
   scene.background.setZero();
-  const auto rendered = render_abuffer(scene);
+  const auto rendered = render_abuffer(scene, {.parabolas = false});
   ASSERT_TRUE(rendered.ok()) << rendered.error().message();
   const int samples = std::max(2, hard.samples / 2);
   const auto reference = render_reference(scene, {samples, ReferenceMotion::segments});
@@ -44,6 +44,16 @@ TEST_P(HardSceneTest, IsTheReference) {
   EXPECT_LE(off.depth, hard.required_depth);
   EXPECT_LE(counter(*reference, "reference_error_rmse"), 0.7 * required)
       << "the reference is too coarse to judge";
+  // Parabolas come nearer to the true path than the chords of the same scene.
+  const auto bent = render_abuffer(scene);
+  ASSERT_TRUE(bent.ok()) << bent.error().message();
+  if (bent->image.rgba == rendered->image.rgba) return;
+  const auto smooth = render_reference(scene, {samples, ReferenceMotion::smooth});
+  ASSERT_TRUE(smooth.ok()) << smooth.error().message();
+  const test::ImageDifference chords_off = test::difference_of(rendered->image, smooth->image),
+                              bent_off = test::difference_of(bent->image, smooth->image);
+  EXPECT_LE(bent_off.color, std::max(required, chords_off.color));
+  EXPECT_LE(bent_off.depth, std::max(hard.required_depth, chords_off.depth));
 }
 
 INSTANTIATE_TEST_SUITE_P(HardScenes, HardSceneTest, testing::ValuesIn(oracle::hard_scenes()),

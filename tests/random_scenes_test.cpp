@@ -126,8 +126,11 @@ TEST(RandomScenes, AreTheReference) {
 
 /// Parabolas are fewer than chords, and as near to the truth: what they come to differs from it by no more
 /// than what chords come to, with half as much again for chance.
-TEST(RandomScenes, ParabolasAreAsTrueAsChords) {
+/// In all they are nearer, in fewer segments. A scene of discs that turn may take more, for axes follow them,
+/// and one whose chords happen to make up for each other may be farther off.
+TEST(RandomScenes, ParabolasAreTruerThanChords) {
   int bent = 0;
+  double log_ratio = 0.0, of_parabolas = 0.0, of_chords = 0.0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Scene scene = random_scene(seed);
     const auto parabolas = render_abuffer(scene), chords = render_abuffer(scene, {.parabolas = false});
@@ -136,12 +139,18 @@ TEST(RandomScenes, ParabolasAreAsTrueAsChords) {
     ++bent;
     const auto truth = render_reference(scene, {512, ReferenceMotion::smooth});
     ASSERT_TRUE(truth) << seed;
-    EXPECT_LE(test::difference_of(parabolas->image, truth->image).color,
-              std::hypot(1e-4, 1.5 * test::difference_of(chords->image, truth->image).color))
-        << seed;
-    EXPECT_LE(test::counter(*parabolas, "kernels"), test::counter(*chords, "kernels")) << seed;
+    const double off = test::difference_of(parabolas->image, truth->image).color,
+                 chords_off = test::difference_of(chords->image, truth->image).color;
+    EXPECT_LE(off, std::hypot(1e-4, 2.0 * chords_off)) << seed;
+    // The reference is off by about so much itself.
+    constexpr double least = 1e-5;
+    log_ratio += std::log(std::max(least, off) / std::max(least, chords_off));
+    of_parabolas += test::counter(*parabolas, "kernels");
+    of_chords += test::counter(*chords, "kernels");
   }
-  EXPECT_GE(bent, 10);
+  ASSERT_GE(bent, 10);
+  EXPECT_LE(std::exp(log_ratio / bent), 0.6);
+  EXPECT_LE(of_parabolas, 0.75 * of_chords);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ const Case cases[] = {
      "moving.json --aperture 0.5 --focus 3 --blades 3 --max-error 40dB"},
     {"--lens-points 9", "moving.json --aperture 0.5 --focus 3 --method stochastic --samples 16",
      "moving.json --aperture 0.5 --focus 3 --exact"},
-    {"--reference-motion smooth", "still.json --method reference --samples 4",
+    {"--reference-motion segments", "still.json --method reference --samples 4",
      "moving.json --method reference --samples 4 --segments 1"},
     {"--tile-bounds hulls", "moving.json --method stochastic --samples 4", ""}};
 

@@ -101,8 +101,8 @@ Result<PreparedMethod> prepare_sampled(const MethodArguments& arguments, const R
 Result<PreparedMethod> prepare_reference(const MethodArguments& arguments, const RenderControl& control) {
   ReferenceOptions options;
   options.samples = arguments.whole("--samples", options.samples);
-  const std::string motion = arguments.text("--reference-motion", "segments");
-  options.motion = motion == "smooth" ? ReferenceMotion::smooth : ReferenceMotion::segments;
+  const std::string motion = arguments.text("--reference-motion", "smooth");
+  options.motion = motion == "segments" ? ReferenceMotion::segments : ReferenceMotion::smooth;
   if (const Status valid = options.validate(); !valid)
     return Error{"", "--samples", valid.error().reason, valid.error().kind};
   return PreparedMethod{std::make_shared<OneByOne>(
@@ -278,7 +278,7 @@ const std::vector<MethodOption>& method_options() {
        .high = 1 << 20},
       {.name = "--reference-motion",
        .kind = Kind::word,
-       .help = "What the reference moves the points along: the linear segments, or the true path [segments]",
+       .help = "What the reference moves the points along: the linear segments, or the true path [smooth]",
        .words = {"segments", "smooth"}},
       {.name = "--traversal",
        .kind = Kind::word,

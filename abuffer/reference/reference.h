@@ -23,7 +23,7 @@ enum class ReferenceMotion {
 
 struct ReferenceOptions {
   int samples = 256;  ///< N, still images averaged; even, [2, 2²⁰]
-  ReferenceMotion motion = ReferenceMotion::segments;
+  ReferenceMotion motion = ReferenceMotion::smooth;
 
   [[nodiscard]] Status validate() const;
 };
