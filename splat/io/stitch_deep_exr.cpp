@@ -139,7 +139,7 @@ class OpenParts {
 }  // namespace
 
 Status stitch_deep(const std::vector<StitchPart>& parts, const Imf::Header& header, Imf::OStream& stream) {
-  const Imath::Box2i film = header.dataWindow();
+  const Imath::Box2i& film = header.dataWindow();
   const auto width = static_cast<std::size_t>(film.max.x - film.min.x + 1);
   for (const StitchPart& part : parts)
     if (!(Imf::DeepScanLineInputFile(part.path.c_str(), 0).header().channels() == header.channels()))
