@@ -208,11 +208,34 @@ bool PathCutter::near_line(const Seen& first, const Seen& middle, const Seen& la
 bool PathCutter::near_path(const Seen& first, const Seen& middle, const Seen& last, const Seen& truth,
                            double share) const {
   if (!same_light(first, truth, last, share)) return false;
-  Eigen::Vector3d off = off_chord(first.center, truth.center, last.center, share);
-  if (bends(first, middle, last))
-    off -= 4.0 * share * (1.0 - share) * off_chord(first.center, middle.center, last.center, 0.5);
   const bool bent = bends(first, middle, last);
+  Eigen::Vector3d off = off_chord(first.center, truth.center, last.center, share);
+  if (bent) off -= 4.0 * share * (1.0 - share) * off_chord(first.center, middle.center, last.center, 0.5);
   return !(off.norm() * visible_scale(truth.center) > (bent ? bent_part : 1.0) * tolerance_px_);
+}
+
+PathSegment PathCutter::segment_of(const std::pair<double, double>& times, const Seen& first,
+                                   const Seen& middle, const Seen& last, std::uint32_t piece) const {
+  return {times.first,
+          times.second,
+          first.center,
+          middle.center,
+          last.center,
+          middle.axis_u,
+          middle.axis_v,
+          bends(first, middle, last),
+          turns(first, middle, last),
+          first.light,
+          middle.light,
+          last.light,
+          first.axis_u,
+          first.axis_v,
+          last.axis_u,
+          last.axis_v,
+          first.at,
+          middle.at,
+          last.at,
+          piece};
 }
 
 bool PathCutter::is_one_segment(std::size_t i) {
@@ -227,26 +250,7 @@ bool PathCutter::is_one_segment(std::size_t i) {
       const Seen truth = see(i, at(span, quarter << (finest - 2)));
       if (!near_path(first, middle, last, truth, time) || !near_axes(axes, middle, truth, time)) return false;
     }
-  segments_.push_back({0.0,
-                       1.0,
-                       first.center,
-                       middle.center,
-                       last.center,
-                       middle.axis_u,
-                       middle.axis_v,
-                       bends(first, middle, last),
-                       axes.turn.has_value(),
-                       first.light,
-                       middle.light,
-                       last.light,
-                       first.axis_u,
-                       first.axis_v,
-                       last.axis_u,
-                       last.axis_v,
-                       first.at,
-                       middle.at,
-                       last.at,
-                       whole_path});
+  segments_.push_back(segment_of({0.0, 1.0}, first, middle, last, whole_path));
   return true;
 }
 
@@ -254,40 +258,25 @@ void PathCutter::halve(std::size_t i, std::size_t span, int begin, int end, cons
                        const Seen& last) {
   const int half = (end - begin) / 2, quarter = half / 2;
   const Seen middle = see(i, at(span, begin + half));
-  const Axes axes = axes_of(first, middle, last);
-  bool whole = near_line(first, middle, last) && axes.follow;
-  const auto near = [&](const Seen& truth, double share) {
-    return near_path(first, middle, last, truth, share) &&
-           (!axes.turn || near_axes(axes, middle, truth, share));
-  };
-  if (whole)
-    whole = near(see(i, at(span, begin + quarter)), 0.25) && near(see(i, at(span, end - quarter)), 0.75);
+  bool whole = near_line(first, middle, last);
+  if (whole) {
+    const Axes axes = axes_of(first, middle, last);
+    const auto near = [&](int index, double share) {
+      const Seen truth = see(i, at(span, index));
+      return near_path(first, middle, last, truth, share) &&
+             (!axes.turn || near_axes(axes, middle, truth, share));
+    };
+    whole = axes.follow && near(begin + quarter, 0.25) && near(end - quarter, 0.75);
+  }
   if (!whole && end - begin > 1 << (finest - most_halvings)) {
     halve(i, span, begin, begin + half, first, middle);
     halve(i, span, begin + half, end, middle, last);
     return;
   }
   const int node = ((1 << finest) + begin) / (end - begin);
-  segments_.push_back({time(span, begin),
-                       time(span, end),
-                       first.center,
-                       middle.center,
-                       last.center,
-                       middle.axis_u,
-                       middle.axis_v,
-                       bends(first, middle, last),
-                       axes.turn.has_value(),
-                       first.light,
-                       middle.light,
-                       last.light,
-                       first.axis_u,
-                       first.axis_v,
-                       last.axis_u,
-                       last.axis_v,
-                       first.at,
-                       middle.at,
-                       last.at,
-                       static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)});
+  segments_.push_back(
+      segment_of({time(span, begin), time(span, end)}, first, middle, last,
+                 static_cast<std::uint32_t>(span) << node_bits | static_cast<std::uint32_t>(node)));
 }
 
 PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
@@ -300,26 +289,8 @@ PathSegment PathCutter::segment(std::size_t i, std::uint32_t piece) const {
   const int end = whole ? 1 << finest : begin + length;
   const Seen first = see(i, known(span, begin)), last = see(i, known(last_span, end)),
              middle = see(i, whole ? middle_ : known(span, begin + length / 2));
-  return {whole ? 0.0 : time(span, begin),
-          whole ? 1.0 : time(span, end),
-          first.center,
-          middle.center,
-          last.center,
-          middle.axis_u,
-          middle.axis_v,
-          bends(first, middle, last),
-          axes_of(first, middle, last).turn.has_value(),
-          first.light,
-          middle.light,
-          last.light,
-          first.axis_u,
-          first.axis_v,
-          last.axis_u,
-          last.axis_v,
-          first.at,
-          middle.at,
-          last.at,
-          piece};
+  return segment_of({whole ? 0.0 : time(span, begin), whole ? 1.0 : time(span, end)}, first, middle, last,
+                    piece);
 }
 
 const std::vector<PathSegment>& PathCutter::cut(std::size_t i, double tolerance_px) {

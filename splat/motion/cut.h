@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "splat/export.h"
@@ -90,6 +91,10 @@ class PathCutter {
   [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle, double part) const;
   [[nodiscard]] FilteredDisc filtered(const Seen& seen, const FilteredDisc* towards) const;
   struct Axes;
+  [[nodiscard]] bool keeps_axes(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] bool turns(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] PathSegment segment_of(const std::pair<double, double>& times, const Seen& first,
+                                       const Seen& middle, const Seen& last, std::uint32_t piece) const;
   [[nodiscard]] bool shows_one_side(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] Axes axes_of(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] bool near_axes(const Axes& axes, const Seen& middle, const Seen& truth, double share) const;

@@ -69,19 +69,25 @@ bool PathCutter::shows_one_side(const Seen& first, const Seen& middle, const See
   return side(middle) != 0 && side(first) == side(middle) && side(last) == side(middle);
 }
 
-/// Which axes a segment has. Those of its middle where they hardly change, and, less exactly, where another
-/// side of the disc comes to be seen.
+/// Whether those of the middle are near enough all along.
+bool PathCutter::keeps_axes(const Seen& first, const Seen& middle, const Seen& last) const {
+  const double part = shape_ == SegmentShape::parabolas ? least_turn : 1.0;
+  return near_middle(first, middle, part) && near_middle(last, middle, part);
+}
+
+/// Whether a segment's axes change: not where they hardly do, nor where another side of the disc comes to be
+/// seen.
+bool PathCutter::turns(const Seen& first, const Seen& middle, const Seen& last) const {
+  return shape_ == SegmentShape::parabolas && shows_one_side(first, middle, last) &&
+         !keeps_axes(first, middle, last);
+}
+
 PathCutter::Axes PathCutter::axes_of(const Seen& first, const Seen& middle, const Seen& last) const {
-  const auto near = [&](double part) {
-    return near_middle(first, middle, part) && near_middle(last, middle, part);
-  };
   Axes axes;
-  if (shape_ != SegmentShape::parabolas || !shows_one_side(first, middle, last)) {
-    axes.follow = near(shape_ == SegmentShape::parabolas ? least_turn : 1.0);
+  if (!turns(first, middle, last)) {
+    axes.follow = keeps_axes(first, middle, last);
     return axes;
   }
-  axes.follow = near(least_turn);
-  if (axes.follow) return axes;
   const FilteredDisc there = filtered(middle, nullptr), from = filtered(first, &there),
                      to = filtered(last, &there);
   axes.turn.emplace(FilmDisc(from, first.center, projection_), FilmDisc(there, middle.center, projection_),
