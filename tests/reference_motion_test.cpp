@@ -11,6 +11,7 @@
 
 #include "abuffer/reference/reference.h"
 #include "tests/counter.h"
+#include "tests/small_scenes.h"
 
 namespace swept {
 namespace {
@@ -141,12 +142,7 @@ TEST(ReferenceMotion, OrderOfPointsChangesNoBit) {
   Scene scene = sphere();
   scene.objects[0].transform = from_to(turned(0.0), turned(0.5));
   const Image image = render(scene, ReferenceMotion::segments).image;
-  SurfelCloud& cloud = scene.objects[0].cloud;
-  SurfelPose& pose = cloud.keys[0].pose;
-  std::reverse(pose.position.begin(), pose.position.end());
-  std::reverse(pose.axis_u.begin(), pose.axis_u.end());
-  std::reverse(pose.axis_v.begin(), pose.axis_v.end());
-  std::reverse(cloud.color.begin(), cloud.color.end());
+  test::reverse_points(scene.objects[0].cloud);
   const Image reversed = render(scene, ReferenceMotion::segments).image;
   EXPECT_EQ(image.rgba, reversed.rgba);
   EXPECT_EQ(image.depth, reversed.depth);

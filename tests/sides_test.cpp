@@ -182,16 +182,7 @@ TEST(Sides, ChangeNoBitWithTheInstructionSetOrTheOrderOfPoints) {
     EXPECT_EQ(image.depth, other.depth) << i;
   }
   Scene turned = scene;
-  for (Object& object : turned.objects) {
-    SurfelCloud& cloud = object.cloud;
-    SurfelPose& pose = cloud.keys[0].pose;
-    std::reverse(pose.position.begin(), pose.position.end());
-    std::reverse(pose.axis_u.begin(), pose.axis_u.end());
-    std::reverse(pose.axis_v.begin(), pose.axis_v.end());
-    std::reverse(cloud.color.begin(), cloud.color.end());
-    std::reverse(cloud.opacity.begin(), cloud.opacity.end());
-    std::reverse(cloud.oriented.begin(), cloud.oriented.end());
-  }
+  for (Object& object : turned.objects) test::reverse_points(object.cloud);
   EXPECT_EQ(image.rgba, sampled(turned, 6).rgba);
   Scene few = scene, few_turned = turned;
   few.model.segments = few_turned.model.segments = 2;

@@ -1,6 +1,7 @@
 // A small stage, and what is put on it: scenes for tests of whole renderers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -60,6 +61,14 @@ Object triangles_about(int triangles, float opacity, Random& random, const Middl
     object.triangles.push_back({first, first + 1, first + 2});
   }
   return object;
+}
+
+/// The same points in the other order, of a cloud with one pose.
+inline void reverse_points(SurfelCloud& cloud) {
+  const auto reverse = [](auto&... of) { (std::reverse(of.begin(), of.end()), ...); };
+  SurfelPose& pose = cloud.keys[0].pose;
+  reverse(pose.position, pose.axis_u, pose.axis_v, cloud.velocity, cloud.color, cloud.opacity,
+          cloud.oriented);
 }
 
 inline Object checkered_sphere(double radius, int points) {

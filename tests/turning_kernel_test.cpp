@@ -258,13 +258,7 @@ TEST(TurningKernel, OrderOfPointsAndTilesChangeNoBit) {
   Scene scene = flying(4);
   const auto first = render_abuffer(scene);
   ASSERT_TRUE(first.ok());
-  SurfelCloud& cloud = scene.objects[0].cloud;
-  SurfelPose& pose = cloud.keys[0].pose;
-  std::reverse(pose.position.begin(), pose.position.end());
-  std::reverse(pose.axis_u.begin(), pose.axis_u.end());
-  std::reverse(pose.axis_v.begin(), pose.axis_v.end());
-  std::reverse(cloud.color.begin(), cloud.color.end());
-  std::reverse(cloud.velocity.begin(), cloud.velocity.end());
+  test::reverse_points(scene.objects[0].cloud);
   const auto second = render_abuffer(scene, {.tile_px = 7, .tile_fragments = 300});
   ASSERT_TRUE(second.ok());
   EXPECT_EQ(second->image.rgba, first->image.rgba);
