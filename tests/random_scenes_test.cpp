@@ -124,10 +124,8 @@ TEST(RandomScenes, AreTheReference) {
   }
 }
 
-/// Parabolas are fewer than chords, and as near to the truth: what they come to differs from it by no more
-/// than what chords come to, with half as much again for chance.
-/// In all they are nearer, in fewer segments. A scene of discs that turn may take more, for axes follow them,
-/// and one whose chords happen to make up for each other may be farther off.
+/// In all parabolas are nearer than chords, in fewer segments. A scene of discs that turn may take more, for
+/// axes follow them, and one whose chords happen to make up for each other may be farther off.
 TEST(RandomScenes, ParabolasAreTruerThanChords) {
   int bent = 0;
   double log_ratio = 0.0, of_parabolas = 0.0, of_chords = 0.0;
