@@ -16,6 +16,7 @@
 #include "splat/motion/instant.h"
 #include "splat/motion/segments.h"
 #include "splat/stopwatch.h"
+#include "splat/without_throwing.h"
 
 namespace swept {
 namespace {
@@ -230,7 +231,9 @@ Result<Rendered> render_built(const Scene& scene, const ReferenceOptions& option
     if (own_paths && !same_eye) posed.emplace(*moved);
     const Scene& seen = moved ? *moved : scene;
     const double frame = exposed.at(tau);
-    kernels = !smooth ? build_kernels(seen) : build_kernels(posed ? posed->at(frame) : seen, {frame, frame});
+    kernels = !smooth ? build_kernels(seen, seen.exposure(), control.stop)
+                      : build_kernels(posed ? posed->at(frame) : seen, {frame, frame}, control.stop);
+    throw_if_stopped(control.stop);
     seconds += watch.lap();
     return kernels;
   };
@@ -292,7 +295,8 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     if (Status status = refuse_row_delay(on_film, "the reference along segments"); !status)
       return status.error();
     Stopwatch watch;
-    const KernelSet kernels = build_kernels(on_film);
+    const KernelSet kernels = build_kernels(on_film, on_film.exposure(), control.stop);
+    throw_if_stopped(control.stop);
     const double seconds = watch.lap();
     Result<Rendered> rendered = render_segments(kernels, on_film, options, control);
     if (rendered) rendered->statistics.time("kernels", seconds);

@@ -160,6 +160,7 @@ void Frame::see(const Object& object, const View& view, double frame) {
   const Matrix3d camera_from_object = view.camera.camera_from_world.linear() * world_from_object.linear();
   const auto coefficients = static_cast<std::size_t>(SplatCloud::coefficients(cloud.degree));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (i % 1024 == 0) throw_if_stopped(stop_);
     Vector3d position = cloud.position[i];
     if (!cloud.velocity.empty()) position += cloud.velocity[i].cast<double>() * (frame - cloud.frame);
     Eigen::Quaterniond rotation = cloud.rotation[i].cast<double>();

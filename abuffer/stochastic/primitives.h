@@ -15,6 +15,7 @@
 #include "abuffer/stochastic/moving_triangle.h"
 #include "splat/kernel/kernel_set.h"
 #include "splat/scene.h"
+#include "splat/without_throwing.h"
 
 namespace swept::stochastic {
 
@@ -27,7 +28,8 @@ class Primitives {
     Primitives all(view, scene.model.delta);
     if (std::any_of(scene.objects.begin(), scene.objects.end(),
                     [](const Object& o) { return o.discs() > 0; }))
-      all.kernels_ = build_kernels(scene, exposure);
+      all.kernels_ = build_kernels(scene, exposure, stop);
+    throw_if_stopped(stop);
     all.begins_.push_back(all.kernels_.kernels.size());
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const Object& object = scene.objects[i];
