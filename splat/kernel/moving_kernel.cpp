@@ -14,10 +14,6 @@ double rms_radius(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(0.5 * (a.squaredNorm() + b.squaredNorm()));
 }
 
-Eigen::Vector3d times_power_of_two(const Eigen::Vector3d& v, int power) {
-  return {std::ldexp(v.x(), power), std::ldexp(v.y(), power), std::ldexp(v.z(), power)};
-}
-
 FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vector3d& axis_u,
                                 const Eigen::Vector3d& axis_v, double radius) {
   FilteredDisc disc;
@@ -68,14 +64,16 @@ FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& a
   Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
                           std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
   if (filter.orthographic) tangent.setZero();
-  // Lengths about 1, for their squares and products to stay in range. Changes no bit otherwise.
+  // Lengths about 1, for their squares and products to stay in range: by a power of two, itself in range both
+  // ways, which changes no bit otherwise.
   int power = 0;
   std::frexp(std::max({axis_u.cwiseAbs().maxCoeff(), axis_v.cwiseAbs().maxCoeff(), radius}), &power);
-  FilteredDisc disc = filter_scaled_disc(tangent, times_power_of_two(axis_u, -power),
-                                         times_power_of_two(axis_v, -power), std::ldexp(radius, -power));
-  disc.axis_u = times_power_of_two(disc.axis_u, power);
-  disc.axis_v = times_power_of_two(disc.axis_v, power);
-  disc.size = std::ldexp(disc.size, power);
+  power = std::clamp(power, -1000, 1000);
+  const double unit = std::ldexp(1.0, power), per_unit = std::ldexp(1.0, -power);
+  FilteredDisc disc = filter_scaled_disc(tangent, per_unit * axis_u, per_unit * axis_v, per_unit * radius);
+  disc.axis_u *= unit;
+  disc.axis_v *= unit;
+  disc.size *= unit;
   return disc;
 }
 
