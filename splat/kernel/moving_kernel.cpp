@@ -4,14 +4,27 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
+
+#include "splat/kernel/ray_kernel.h"
 
 namespace swept {
 namespace {
 
 double rms_radius(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(0.5 * (a.squaredNorm() + b.squaredNorm()));
+}
+
+/// Cosine, not negative, and sine of half the angle of (x, y): by roots, which round alike everywhere.
+std::pair<double, double> half_angle(double x, double y) {
+  const double length = length_of(x, y);
+  if (!(length > 0.0)) return {1.0, 0.0};
+  // The larger of the two by the root, the other by what their product is: no difference of near equals.
+  const double larger = std::sqrt(0.5 * (1.0 + std::abs(x) / length));
+  const double other = 0.5 * (std::abs(y) / length) / larger;
+  return x >= 0.0 ? std::pair(larger, std::copysign(other, y)) : std::pair(other, std::copysign(larger, y));
 }
 
 FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vector3d& axis_u,
@@ -27,8 +40,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
   const Eigen::Vector2d q_v = axis_v.head<2>() - tangent * axis_v.z();
 
   // One Jacobi rotation in (u, v) makes the columns of Q orthogonal: Q = Σ sᵢ lᵢ rᵢᵀ.
-  const double angle = 0.5 * std::atan2(2.0 * q_u.dot(q_v), q_u.squaredNorm() - q_v.squaredNorm());
-  const double cosine = std::cos(angle), sine = std::sin(angle);
+  const auto [cosine, sine] = half_angle(q_u.squaredNorm() - q_v.squaredNorm(), 2.0 * q_u.dot(q_v));
   const Eigen::Vector2d major = cosine * q_u + sine * q_v;
   const double s_major = major.norm();
   const Eigen::Vector2d l_major =
@@ -39,7 +51,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
 
   double size_squared = 0.0;
   const auto lift = [&](const Eigen::Vector2d& direction, double s, double disc_z) {
-    const double filtered = std::hypot(s, radius);
+    const double filtered = length_of(s, radius);
     const double z = s / filtered * disc_z;
     // Of a radius too small for a quarter of it the least normal number has to do.
     const double shown = std::max({std::abs(s), 0.25 * radius, std::numeric_limits<double>::min()});
@@ -50,7 +62,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
   };
   disc.axis_u = lift(l_major, s_major, cosine * axis_u.z() + sine * axis_v.z());
   disc.axis_v = lift(l_minor, s_minor, cosine * axis_v.z() - sine * axis_u.z());
-  disc.weight = s_major / std::hypot(s_major, radius) * (std::abs(s_minor) / std::hypot(s_minor, radius));
+  disc.weight = s_major / length_of(s_major, radius) * (std::abs(s_minor) / length_of(s_minor, radius));
   disc.size = std::sqrt(size_squared);
   return disc;
 }
