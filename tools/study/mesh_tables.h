@@ -30,12 +30,12 @@ struct MeshTableOptions {
   int stills = 1024;
   bool quick = false;
   /// Of hierarchy_table(): how many triangles, and how far they move. Empty: 10⁴ to 10⁶, and 0 to 300 px.
-  std::vector<int> triangles;
-  std::vector<double> motions_px;
+  std::vector<int> triangles = {};
+  std::vector<double> motions_px = {};
   /// Of ronnow_table(): sides of the film, px, and which of "opaque", "transparent" and "textured". Empty:
   /// side_px and its double, and all of them.
-  std::vector<int> films_px;
-  std::vector<std::string> looks;
+  std::vector<int> films_px = {};
+  std::vector<std::string> looks = {};
 };
 /// Called after each row.
 using RowDone = std::function<void(const StudyTable&)>;
