@@ -16,7 +16,7 @@ namespace SWEPT_API swept {
 enum class BackFaces {
   exact,      ///< at each instant those whose backs are seen then
   both_ends,  ///< besides for all the exposure those whose backs are seen when it begins and when it ends
-              ///< (Rönnow et al. 2021, section 4.4), who may show their fronts between
+              ///< (Rönnow et al. 2021, section 4.4), though they may show their fronts between
 };
 
 /// None of these changes a bit of the image but `normalisation`, `place_intervals` and `back_faces`, and

@@ -280,9 +280,8 @@ const std::vector<MethodOption>& method_options() {
       {.name = "--back-faces",
        .kind = Kind::word,
        .help = "Which triangles of one-sided meshes are left out: those that face away, while they do, or "
-               "for the whole exposure "
-               "also those that do at both ends of it, as Rönnow et al. 2021 have it, which is another image "
-               "[exact]",
+               "for the whole exposure also those that do at both ends of it, as Rönnow et al. 2021 have it, "
+               "which is another image [exact]",
        .words = {"exact", "both-ends"}},
       {.name = "--samples",
        .kind = Kind::whole,

@@ -72,7 +72,7 @@ void add_light(double first, double last, const LightOverTime& light, const At& 
     for (int c = 0; c < 5; ++c) {
       const double spread =
           std::max(std::abs(looks[0].v[c] - looks[1].v[c]), std::abs(looks[2].v[c] - looks[1].v[c]));
-      n.uneven = n.uneven || spread > (c < 4 ? 0x1p-10 : 0x1p-10 * std::abs(n.mean.v[c]));
+      n.uneven = n.uneven || spread > 0x1p-10 * (c < 4 ? 1.0 : std::abs(n.mean.v[c]));
     }
     return n;
   };
