@@ -66,9 +66,16 @@ bool has_triangles(const Scene& scene) {
 /// What the sweep cannot do with triangles.
 Status check_meshes(const Scene& scene, const AbufferOptions& options) {
   if (!has_triangles(scene)) {
-    if (options.place_intervals == 0) return Done{};
-    return Error{"", "place_intervals", "is for triangles, and the scene has none", ErrorKind::unsupported};
+    if (options.place_intervals > 0)
+      return Error{"", "place_intervals", "is for triangles, and the scene has none", ErrorKind::unsupported};
+    if (options.back_faces == BackFaces::exact) return Done{};
   }
+  const bool one_sided = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
+    return !object.triangles.empty() && !object.two_sided;
+  });
+  if (options.back_faces != BackFaces::exact && !one_sided)
+    return Error{"", "back_faces", "at both ends are those of one-sided meshes, and the scene has none",
+                 ErrorKind::unsupported};
   if (options.normalisation != Normalisation::interval)
     return Error{"", "normalisation",
                  "of the whole pixel is for discs; a scene of triangles has that of the interval",

@@ -12,8 +12,15 @@
 
 namespace SWEPT_API swept {
 
-/// None of these changes a bit of the image but `normalisation` and `place_intervals`, and `tile_tests` last
-/// digits where several meshes share a pixel.
+/// Which triangles of one-sided meshes are left out because their backs are seen.
+enum class BackFaces {
+  exact,      ///< at each instant those whose backs are seen then
+  both_ends,  ///< besides for all the exposure those whose backs are seen when it begins and when it ends
+              ///< (Rönnow et al. 2021, section 4.4), though they may show their fronts between
+};
+
+/// None of these changes a bit of the image but `normalisation`, `place_intervals` and `back_faces`, and
+/// `tile_tests` last digits where several meshes share a pixel.
 struct AbufferOptions {
   int tile_px = 32;  ///< side of a tile; [1, 4096]
   std::size_t tile_fragments =
@@ -24,6 +31,7 @@ struct AbufferOptions {
   /// by least error (Gribel et al. 2010), in an order that depends on that of the meshes. 0: all. With
   /// meshes.
   std::size_t place_intervals = 0;
+  BackFaces back_faces = BackFaces::exact;  ///< another image where not; with one-sided meshes
   /// With meshes: leave out pixels, tiles and depths that triangles are known not to be seen in, before their
   /// intervals are solved. false: not, to measure what it gains.
   bool tile_tests = true;

@@ -24,6 +24,7 @@ Result<MeshFilm> MeshFilm::follow(const Scene& scene, const Window& window, cons
                 options.tile_fragments,
                 options.place_intervals,
                 options.tile_tests,
+                options.back_faces,
                 stop};
   film.projection = projection_of(scene.film, scene.camera.at(film.all.middle()));
   // A tenth of what chords may be off by: parabolas are that much better, and edges show it.
@@ -39,7 +40,8 @@ Result<MeshFilm> MeshFilm::follow(const Scene& scene, const Window& window, cons
     }
     film.meshes.push_back(std::move(*mesh));
   }
-  film.bins.emplace(film.meshes, film.projection, scene.camera.near, window, options.tile_px, stop);
+  film.bins.emplace(film.meshes, film.projection, scene.camera.near, window, options.tile_px,
+                    options.back_faces, stop);
   throw_if_stopped(stop);
   return film;
 }

@@ -28,6 +28,7 @@ struct MeshFilm {
   std::optional<MeshBins> bins;
   std::size_t interval_limit, place_intervals;
   bool tile_tests;
+  BackFaces back_faces;
   std::stop_token stop;
 
   /// Of the meshes of a scene that has some, which must outlive it. Error: one of them cannot be followed.

@@ -31,6 +31,11 @@ void describe_meshes(const MeshFilm& film, bool with_discs, Statistics& s) {
   s.count("triangles", static_cast<double>(triangles));
   s.count(with_discs ? "path_stretches" : "segments", static_cast<double>(stretches));
   s.count("path_degree", degree);
+  s.count("triangles_facing_away", static_cast<double>(film.bins->facing_away()));
+  if (film.back_faces == BackFaces::both_ends) {
+    s.count("triangles_away_at_both_ends", static_cast<double>(film.bins->away_at_both_ends()));
+    s.effect("triangles of one-sided meshes left out where they face away at both ends of the exposure");
+  }
   s.effect("motion blur: triangles swept at 16 places of a pixel, on paths of degree " +
            std::to_string(degree) + " in " + std::to_string(stretches) +
            (stretches == 1 ? " stretch" : " stretches at most"));

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "splat/fields.h"
 #include "splat/interval/bernstein.h"
 #include "splat/interval/edge_function.h"
 #include "tests/oracle/of_roots.h"
@@ -114,7 +115,7 @@ TEST(EdgeFunction, TwoSolversAgreeOverAMillionEdges) {
   EXPECT_LE(agreement.worst, 1e-9);
   RecordProperty("changes", std::to_string(agreement.changes));
   RecordProperty("within_noise", std::to_string(agreement.within_noise));
-  RecordProperty("worst", std::to_string(agreement.worst));
+  RecordProperty("worst", shortest_text(agreement.worst));
 }
 
 TEST(EdgeFunction, SolversFindTheRootsThatArePutIn) {

@@ -59,16 +59,20 @@ inline Object triangle_soup(int triangles, unsigned seed, bool transparent, doub
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
   };
+  // In which order a call's arguments are worked out is the compiler's own affair: each number by itself.
+  const auto vector = [&](double x, double y, double z_from, double z_to) {
+    const double at_z = uniform(z_from, z_to), at_y = uniform(-y, y);
+    return Eigen::Vector3d(uniform(-x, x), at_y, at_z);
+  };
   Object object;
   for (int t = 0; t < triangles; ++t) {
-    const Eigen::Vector3d middle(uniform(-2.0, 2.0), uniform(-1.5, 1.5), uniform(-0.2, 6.0));
+    const Eigen::Vector3d middle = vector(2.0, 1.5, -0.2, 6.0);
     const double size = std::pow(10.0, uniform(-2.0, 0.3));
     for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d offset(uniform(-size, size), uniform(-size, size), uniform(-size, size));
+      const Eigen::Vector3d offset = vector(size, size, -size, size);
       const auto channel = [&] { return static_cast<float>(uniform(0.0, 1.0)); };
-      const auto rate = [&] { return static_cast<float>(uniform(-speed, speed)); };
       add_point(object, middle + offset, {channel(), channel(), channel()});
-      object.cloud.velocity.emplace_back(rate(), rate(), rate());
+      object.cloud.velocity.push_back(vector(speed, speed, -speed, speed).cast<float>());
       if (transparent) object.cloud.opacity.push_back(channel());
     }
     const auto first = static_cast<std::uint32_t>(3 * t);

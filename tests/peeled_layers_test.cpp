@@ -185,10 +185,7 @@ TEST_P(PeeledLayers, AreWhatTheSweepSees) {
       depths = std::max(
           depths, std::abs(double{peeled.depth[i]} / (even ? double{of_plain.depth[i]} : swept_depth) - 1.0));
     }
-    // Before a wall alpha is 1 throughout, so that the sweep does not see how a texture's alpha bends depths.
-    if (even || GetParam().texture_alpha < 0.0f) {
-      EXPECT_LT(depths, even ? 1e-6 : 1e-4) << seed;
-    }
+    EXPECT_LT(depths, even ? 1e-6 : 1e-4) << seed;
     EXPECT_EQ(exact(scene, {}, 1).image.rgba, peeled.rgba);
     EXPECT_EQ(test::render_deep(scene).image.rgba, peeled.rgba);
     AbufferOptions small;
@@ -210,6 +207,44 @@ INSTANTIATE_TEST_SUITE_P(Of, PeeledLayers,
                                            Look{"opaque_texture", false, false, false, 1.0f},
                                            Look{"clear_texture", true, false, true, 0.0f}),
                          [](const auto& of) { return of.param.name; });
+
+/// Black before black: colours are 0 and alpha is 1 throughout, so that nothing but depth tells how clear the
+/// nearer one is. Under a shutter that opens slowly it goes as the root of light.
+TEST(SweptLayers, HaveTheDepthOfWhatIsDarkAndClear) {
+  for (const int columns : {0, 6}) {
+    Scene scene = test::mesh_stage(4, 3, 0.2);
+    scene.shutter.curve = ShutterShape::trapezoid;
+    Object& object = scene.objects.emplace_back(test::rectangle({0, 0, 0}, 4.0, 4.0, {0, 0, 0}));
+    // From nearly at the eye to 14 deep.
+    for (Eigen::Vector3d& p : object.cloud.keys[0].pose.position) {
+      p.x() = std::max(-0.6, p.x());
+      p.z() = 2.0 + 3.0 * p.x();
+    }
+    test::move_points(object, {0.5f, 0.0f, 0.0f});
+    object.cloud.opacity.own() = {1.0f, 0.1f, 0.5f, 0.7f};
+    object.materials.resize(2);
+    object.material_of = {0, 0};
+    if (columns > 0) {
+      auto texture = std::make_shared<Texture>();
+      texture->width = columns, texture->height = 2;
+      std::mt19937 random(3);
+      for (int i = 0; i < 2 * columns; ++i)
+        texture->texels.emplace_back(0.0f, 0.0f, 0.0f, static_cast<float>(random()) / 4294967296.0f);
+      object.materials[0].texture = texture;
+      object.texture_corners = {{Eigen::Vector2f(0, 0), {1, 0}, {1, 1}},
+                                {Eigen::Vector2f(0, 0), {1, 1}, {0, 1}}};
+    }
+    const Image swept = before_wall(scene, 0.0f), peeled = exact(scene).image,
+                truth = test::smooth_reference(scene, 1024);
+    for (std::size_t i = 0; i < swept.pixel_count(); ++i) {
+      const double alpha = double{truth.rgba[4 * i + 3]}, depth = double{truth.depth[i]};
+      // What floats hold, and 1024 stills.
+      EXPECT_NEAR(double{peeled.depth[i]} / depth, 1.0, 2e-6) << columns << ' ' << i;
+      EXPECT_NEAR(double{swept.depth[i]} / (alpha * depth + (1.0 - alpha) * wall_depth), 1.0, 2e-6)
+          << columns << ' ' << i;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace swept

@@ -54,7 +54,9 @@ Object triangles_about(int triangles, float opacity, Random& random, const Middl
   for (int t = 0; t < triangles; ++t) {
     const Eigen::Vector3d at = middle();
     for (int i = 0; i < 3; ++i) {
-      add_disc(object, at + random.vector(-0.6, 0.6), {0, 0, 1}, 0.1, random.vector(0.0, 1.0).cast<float>());
+      // One after the other: in which order a call's arguments are worked out is the compiler's own affair.
+      const Eigen::Vector3d color = random.vector(0.0, 1.0), corner = at + random.vector(-0.6, 0.6);
+      add_disc(object, corner, {0, 0, 1}, 0.1, color.cast<float>());
       object.cloud.opacity.push_back(opacity);
     }
     const auto first = static_cast<std::uint32_t>(3 * t);

@@ -29,11 +29,14 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
   options.normalisation = per_pixel ? Normalisation::pixel : Normalisation::interval;
   options.deep = arguments.expect_deep;
   options.place_intervals = static_cast<std::size_t>(arguments.whole("--place-intervals", 0));
+  const bool both_ends = arguments.text("--back-faces", "exact") == "both-ends";
+  options.back_faces = both_ends ? BackFaces::both_ends : BackFaces::exact;
   if (options.deep && per_pixel)
     return Error{"", "--deep", "has every interval's own colours: it goes with --normalisation interval"};
   std::string name = per_pixel ? "abuffer, normalised per pixel" : "abuffer";
   if (options.place_intervals > 0)
     name = fmt::format("{}, {} intervals a place", name, options.place_intervals);
+  if (both_ends) name += ", back faces at both ends";
   return PreparedMethod{std::make_shared<OneByOne>(
                             [options](const Scene& scene, const RenderControl& within) {
                               return render_abuffer(scene, options, within);
@@ -41,7 +44,8 @@ Result<PreparedMethod> prepare_abuffer(const MethodArguments& arguments, const R
                             control),
                         {{"threads", control.threads},
                          {"normalisation_per_pixel", per_pixel ? 1 : 0},
-                         {"place_intervals", static_cast<double>(options.place_intervals)}},
+                         {"place_intervals", static_cast<double>(options.place_intervals)},
+                         {"back_faces_at_both_ends", both_ends ? 1 : 0}},
                         name};
 }
 
@@ -223,7 +227,11 @@ const std::vector<RenderMethod>& render_methods() {
        {"--max-error", "--max-cell-error", "--max-seconds", "--samples"},
        true,
        prepare_sampled},
-      {"abuffer", "the exact A-buffer", {"--normalisation", "--place-intervals"}, true, prepare_abuffer},
+      {"abuffer",
+       "the exact A-buffer",
+       {"--normalisation", "--place-intervals", "--back-faces"},
+       true,
+       prepare_abuffer},
       {"gpu",
        "the six passes on a GPU",
        {"--subframes", "--gpu", "--lookup-tables", "--clamp-motion"},
@@ -269,6 +277,12 @@ const std::vector<MethodOption>& method_options() {
            "least error [all]",
        .low = 1,
        .high = 65536},
+      {.name = "--back-faces",
+       .kind = Kind::word,
+       .help = "Which triangles of one-sided meshes are left out: those that face away, while they do, or "
+               "for the whole exposure also those that do at both ends of it, as Rönnow et al. 2021 have it, "
+               "which is another image [exact]",
+       .words = {"exact", "both-ends"}},
       {.name = "--samples",
        .kind = Kind::whole,
        .help =

@@ -1,8 +1,10 @@
 // The light of pieces of time, summed up. Source: model section 15; Gauss and Legendre's quadrature.
 //
 // Within a piece colours, shares of corners and depths are smooth, and what is transparent keeps its order.
-// Three nodes are exact to the fifth degree; where colours vary by more than 2⁻¹⁰ within a piece its halves
-// are summed as well, and halved on until the sum changes by less than 10⁻⁷ of the light of the piece.
+// Three nodes are exact to the fifth degree; where colours, or depths, vary by more than 2⁻¹⁰ within a piece
+// its halves are summed as well, and halved on until the sum changes by less than 10⁻⁷ of the light of the
+// piece, and of its depth: in front of something opaque, what is dark changes in its depth alone where it
+// becomes clear.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +60,7 @@ void add_light(double first, double last, const LightOverTime& light, const At& 
                const Part& part) {
   struct Nodes {
     LightSum mean;
-    double spread = 0.0;
+    bool uneven = false;
   };
   const auto nodes = [&](double a, double b) {
     const ThreeNodes at_nodes(light, a, b);
@@ -67,13 +69,15 @@ void add_light(double first, double last, const LightOverTime& light, const At& 
     n.mean.add(looks[0], ThreeNodes::side);
     n.mean.add(looks[1], ThreeNodes::middle);
     n.mean.add(looks[2], ThreeNodes::side);
-    for (int c = 0; c < 4; ++c)
-      n.spread = std::max(
-          {n.spread, std::abs(looks[0].v[c] - looks[1].v[c]), std::abs(looks[2].v[c] - looks[1].v[c])});
+    for (int c = 0; c < 5; ++c) {
+      const double spread =
+          std::max(std::abs(looks[0].v[c] - looks[1].v[c]), std::abs(looks[2].v[c] - looks[1].v[c]));
+      n.uneven = n.uneven || spread > 0x1p-10 * (c < 4 ? 1.0 : std::abs(n.mean.v[c]));
+    }
     return n;
   };
   const auto refine = [&](const auto& self, double a, double b, const Nodes& whole, int halvings) -> void {
-    if (halvings == 0 || !(whole.spread > 0x1p-10)) {
+    if (halvings == 0 || !whole.uneven) {
       sum.add(whole.mean, b - a);
       part(a, b);
       return;
@@ -85,7 +89,8 @@ void add_light(double first, double last, const LightOverTime& light, const At& 
       off = std::max(off, std::abs(0.5 * left.mean.v[c] + 0.5 * right.mean.v[c] - whole.mean.v[c]));
       most = std::max(most, std::abs(whole.mean.v[c]));
     }
-    if (off <= 1e-7 * most) {
+    const double depth_off = std::abs(0.5 * left.mean.v[4] + 0.5 * right.mean.v[4] - whole.mean.v[4]);
+    if (off <= 1e-7 * most && depth_off <= 1e-7 * std::abs(whole.mean.v[4])) {
       sum.add(left.mean, half - a);
       sum.add(right.mean, b - half);
       part(a, half);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "abuffer/parallel.h"
+#include "abuffer/tiles/mesh_facing.h"
 
 namespace swept {
 
@@ -63,8 +64,23 @@ float nearest_of(const MovingMesh& mesh, std::size_t stretch, std::size_t triang
   return static_cast<float>(std::max(z, near) * (1.0 - 1e-6));
 }
 
+namespace {
+
+/// Whether a triangle is left out, and why.
+enum class Away : char { no, always, at_both_ends };
+
+Away away_of(const MovingMesh& mesh, const MeshBins::Entry& entry, BackFaces back_faces, bool orthographic) {
+  if (mesh.object().two_sided) return Away::no;
+  if (always_faces_away(mesh, entry.stretch, entry.triangle, orthographic)) return Away::always;
+  const bool both_ends =
+      back_faces == BackFaces::both_ends && faces_away_at_both_ends(mesh, entry.triangle, orthographic);
+  return both_ends ? Away::at_both_ends : Away::no;
+}
+
+}  // namespace
+
 MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
-                   const Window& film, int tile_px, const std::stop_token& stop)
+                   const Window& film, int tile_px, BackFaces back_faces, const std::stop_token& stop)
     : tiles_(film, tile_px) {
   const std::size_t columns = tiles_.columns(), rows = tiles_.rows();
   struct Tiles {
@@ -77,7 +93,10 @@ MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& proj
         all.push_back(
             {static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t)});
   std::vector<Tiles> touched(all.size());
+  std::vector<Away> away(all.size(), Away::no);
   parallel_for_each_index(all.size(), [&](std::size_t i) {
+    away[i] = away_of(meshes[all[i].mesh], all[i], back_faces, projection.orthographic);
+    if (away[i] != Away::no) return;
     const FilmHull hull = hull_of(meshes[all[i].mesh], all[i].stretch, all[i].triangle, projection, near);
     // Places lie up to half a pixel from the centre; the rest takes care of rounding.
     constexpr double margin = 1.0;
@@ -95,6 +114,8 @@ MeshBins::MeshBins(const std::vector<MovingMesh>& meshes, const Projection& proj
     for (std::size_t y = range.y_begin; y < range.y_end; ++y)
       for (std::size_t x = range.x_begin; x < range.x_end; ++x) visit(y * columns + x);
   };
+  facing_away_ = static_cast<std::size_t>(std::count(away.begin(), away.end(), Away::always));
+  away_at_both_ends_ = static_cast<std::size_t>(std::count(away.begin(), away.end(), Away::at_both_ends));
   starts_.assign(tile_count() + 1, 0);
   for (const Tiles& range : touched) for_each_tile(range, [&](std::size_t tile) { ++starts_[tile + 1]; });
   for (std::size_t tile = 0; tile < tile_count(); ++tile) starts_[tile + 1] += starts_[tile];

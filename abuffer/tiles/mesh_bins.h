@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "abuffer/abuffer.h"
 #include "abuffer/sources/moving_mesh.h"
 #include "abuffer/tiles/tile_grid.h"
 #include "splat/camera.h"
@@ -36,9 +37,10 @@ class MeshBins {
     std::uint32_t mesh, stretch, triangle;
   };
 
-  /// Tiles of `tile_px` of the film's window. Runs in the caller's task arena.
+  /// Tiles of `tile_px` of the film's window. Triangles that show their backs all the stretch are left out of
+  /// one-sided meshes, and those that `back_faces` says. Runs in the caller's task arena.
   MeshBins(const std::vector<MovingMesh>& meshes, const Projection& projection, double near,
-           const Window& film, int tile_px, const std::stop_token& stop);
+           const Window& film, int tile_px, BackFaces back_faces, const std::stop_token& stop);
 
   [[nodiscard]] std::size_t tile_count() const { return tiles_.count(); }
   [[nodiscard]] Window window(std::size_t tile) const { return tiles_.window(tile); }
@@ -48,11 +50,16 @@ class MeshBins {
   }
   [[nodiscard]] std::size_t entry_count() const { return entries_.size(); }
   [[nodiscard]] std::size_t bytes() const { return entries_.size() * sizeof(Entry); }
+  /// Of triangles in stretches: those that show their backs all the time; and those that show them at both
+  /// ends of the exposure and might show their fronts between them, which BackFaces::both_ends leaves out.
+  [[nodiscard]] std::size_t facing_away() const { return facing_away_; }
+  [[nodiscard]] std::size_t away_at_both_ends() const { return away_at_both_ends_; }
 
  private:
   TileGrid tiles_;
   std::vector<std::size_t> starts_;
   std::vector<Entry> entries_;
+  std::size_t facing_away_ = 0, away_at_both_ends_ = 0;
 };
 
 }  // namespace swept

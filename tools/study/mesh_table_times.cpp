@@ -79,11 +79,12 @@ Scene loose_triangles(int side_px, int count, double motion_px) {
 
 /// What a scene of the paper's table is made of.
 struct Glass {
-  const char* title;
+  const char *name, *title;
   bool transparent, textured;
 };
-constexpr Glass glasses[] = {
-    {"", false, false}, {", transparent", true, false}, {", transparent, with a texture", true, true}};
+constexpr Glass glasses[] = {{"opaque", "", false, false},
+                             {"transparent", ", transparent", true, false},
+                             {"textured", ", transparent, with a texture", true, true}};
 
 /// Colours that change evenly from texel to texel; no light comes through.
 std::shared_ptr<const Texture> patches() {
@@ -128,9 +129,16 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
       {"scene", "film, px", "triangles", "exact, s", "intervals, 10⁶", "most in a pixel", "MiB",
        "stochastic 128, s", "PSNR, dB", "stochastic to exact", "K as good", "its s", "stochastic to it"},
       {}};
+  const std::vector<int> films =
+      options.films_px.empty() ? std::vector{options.side_px, 2 * options.side_px} : options.films_px;
+  const auto asked = [&](const Glass& glass) {
+    return options.looks.empty() ||
+           std::find(options.looks.begin(), options.looks.end(), glass.name) != options.looks.end();
+  };
   for (const TraversalScene& of : scenes)
     for (const Glass& glass : glasses)
-      for (const int side : {options.side_px, 2 * options.side_px}) {
+      for (const int side : films) {
+        if (!asked(glass)) continue;
         const std::string title = of.title + glass.title;
         const auto failed = [&](const std::string& why) {
           table.rows.push_back({title, why});
@@ -156,7 +164,7 @@ StudyTable ronnow_table(const std::vector<TraversalScene>& scenes, const MeshTab
         Json most = nullptr, seconds = nullptr, ratio = nullptr;
         // Of the smaller film and one colour alone: elsewhere it is the same, and takes long.
         for (const std::size_t k : {2, 4, 8, 16, 32}) {
-          if (side != options.side_px || glass.textured) break;
+          if (!options.films_px.empty() || side != options.side_px || glass.textured) break;
           AbufferOptions few;
           few.place_intervals = k;
           const Result<Timed> lossy = timed(render_abuffer, scene, few);

@@ -30,8 +30,12 @@ struct MeshTableOptions {
   int stills = 1024;
   bool quick = false;
   /// Of hierarchy_table(): how many triangles, and how far they move. Empty: 10⁴ to 10⁶, and 0 to 300 px.
-  std::vector<int> triangles;
-  std::vector<double> motions_px;
+  std::vector<int> triangles = {};
+  std::vector<double> motions_px = {};
+  /// Of ronnow_table(): sides of the film, px, and which of "opaque", "transparent" and "textured". Empty:
+  /// side_px and its double, and all of them.
+  std::vector<int> films_px = {};
+  std::vector<std::string> looks = {};
 };
 /// Called after each row.
 using RowDone = std::function<void(const StudyTable&)>;
@@ -46,7 +50,7 @@ void make_flat(Object& object);
 /// that cost the least; CPU time and memory of them.
 [[nodiscard]] StudyTable visibility_table(const std::vector<TraversalScene>& scenes,
                                           const MeshTableOptions& options, const RowDone& done);
-/// Rönnow et al. 2021, Table 1: time, intervals and memory of the exact method, at one size and the double,
+/// Rönnow et al. 2021, Table 1: time, intervals and memory of the exact method, by the film's size,
 /// and the stochastic method of 128 samples; of each scene as it is, half transparent and white, and half
 /// transparent with a texture.
 [[nodiscard]] StudyTable ronnow_table(const std::vector<TraversalScene>& scenes,

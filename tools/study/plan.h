@@ -33,6 +33,8 @@ struct StudyOptions {
   double points_scale = 1.0;               ///< of all generated objects
   std::vector<int> triangles;              ///< as in MeshTableOptions
   std::vector<double> motions_px;          ///< likewise
+  std::vector<int> films_px;               ///< likewise
+  std::vector<std::string> looks;          ///< likewise
   RunnerOptions runner;
 };
 

@@ -121,6 +121,8 @@ class Study {
     options.stills = header_.reference_samples;
     options.triangles = options_.triangles;
     options.motions_px = options_.motions_px;
+    options.films_px = options_.films_px;
+    options.looks = options_.looks;
     options.side_px = options_.size   ? std::max((*options_.size)[0], (*options_.size)[1])
                       : options.quick ? 96
                                       : 256;
@@ -321,6 +323,15 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1e6))
       ->type_name("PX,...");
+  command
+      ->add_option("--films", options.films_px,
+                   "Of the part ronnow: sides of its films, px, without the last columns [1024,2048]")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 65536))
+      ->type_name("PX,...");
+  command->add_option("--looks", options.looks, "Of the part ronnow: only these [all three]")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"opaque", "transparent", "textured"}));
   command
       ->add_option("--gpu", options.runner.method.gpu,
                    "Device of the GPU methods, as `swept info --gpus` lists them")
