@@ -43,8 +43,23 @@ bool PathCutter::same_filter(const Seen& end, const Seen& middle, double part) c
                             true_radius) > tolerance_px);
 }
 
+/// What the filter makes of a disc depends on where it is seen from: from beside, one is narrower than the
+/// filter and weighs less.
+bool PathCutter::same_from_the_side(const Seen& end, const Seen& middle, double part) const {
+  const double scale = visible_scale(end.center), filter_px = scene_.model.filter_radius_px;
+  if (shape_ == SegmentShape::chords || !(scale > 0.0) || filter_px == 0.0) return true;
+  const double tolerance_px = part * filters_per_path * tolerance_px_;
+  // Widths change by no more than this, and weights by no more than this over the filter's.
+  const Eigen::Vector2d aside = ray_of(end.center) - ray_of(middle.center);
+  const double most_px = scale * aside.norm() * std::hypot(end.axis_u.z(), end.axis_v.z());
+  if (!(most_px > tolerance_px * std::min(1.0, filter_px))) return true;
+  const FilteredDisc there = filtered(middle, nullptr);
+  const FilmDisc a(filtered(end, &there), end.center, projection_), b(there, middle.center, projection_);
+  return !((a.film - b.film).norm() > tolerance_px || std::abs(a.weight - b.weight) > tolerance_px);
+}
+
 bool PathCutter::near_middle(const Seen& end, const Seen& middle, double part) const {
-  if (!same_filter(end, middle, part)) return false;
+  if (!same_filter(end, middle, part) || !same_from_the_side(end, middle, part)) return false;
   const double scale = visible_scale(middle.center);
   if (!(scale > 0.0)) return true;
   const Eigen::Vector2d ray = ray_of(middle.center);
