@@ -180,7 +180,7 @@ const std::vector<Effect>& effects() {
          s.camera.look_ats[0].lens.shift = {0.2, -0.1};
          second_camera(s).lens.shift = {-0.1, 0.15};
        },
-       512, 0.1},
+       512, 0.03},
       {"TwoFocalLengths",
        [](Scene& s) {
          s.camera.look_ats[0].lens.stretch_x = 1.3;
@@ -294,7 +294,7 @@ TEST(WholeModelOfFiles, TheHorsesGallopAreTheReferences) {
   ASSERT_EQ((*scene)->objects[0].cloud.path, KeyPath::spline);
   const Image truth = image_of(render_reference(**scene, {192, ReferenceMotion::smooth}));
   SampledOptions options;
-  options.max_error_db = 72.0;
+  options.max_error_db = 75.0;  // of the reference 192 instants are not all of the truth
   const double sampled = decibels(image_of(render_sampled(**scene, options)), truth);
   const double exact = decibels(image_of(render_abuffer(**scene)), truth);
   std::printf("the horse's gallop: sampled %.1f dB, exact %.1f dB\n", sampled, exact);

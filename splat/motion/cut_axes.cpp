@@ -44,7 +44,7 @@ bool PathCutter::same_filter(const Seen& end, const Seen& middle, double part) c
 }
 
 /// What the filter makes of a disc depends on where it is seen from: from beside, one is narrower than the
-/// filter and weighs less.
+/// filter and weighs less. The middle's is seen where the disc is.
 bool PathCutter::same_from_the_side(const Seen& end, const Seen& middle, double part) const {
   const double scale = visible_scale(end.center), filter_px = scene_.model.filter_radius_px;
   if (shape_ == SegmentShape::chords || !(scale > 0.0) || filter_px == 0.0) return true;
@@ -54,8 +54,12 @@ bool PathCutter::same_from_the_side(const Seen& end, const Seen& middle, double 
   const double most_px = scale * aside.norm() * std::hypot(end.axis_u.z(), end.axis_v.z());
   if (!(most_px > tolerance_px * std::min(1.0, filter_px))) return true;
   const FilteredDisc there = filtered(middle, nullptr);
-  const FilmDisc a(filtered(end, &there), end.center, projection_), b(there, middle.center, projection_);
-  return !((a.film - b.film).norm() > tolerance_px || std::abs(a.weight - b.weight) > tolerance_px);
+  const FilmDisc truth(filtered(end, &there), end.center, projection_);
+  const FilmDisc frozen(there, end.center, projection_);
+  // Weights of what is narrow are of little.
+  const double width_px = std::abs(truth.film.determinant()) / truth.film.norm();
+  return !((truth.film - frozen.film).norm() > tolerance_px ||
+           std::min(1.0, width_px) * std::abs(truth.weight - frozen.weight) > tolerance_px);
 }
 
 bool PathCutter::near_middle(const Seen& end, const Seen& middle, double part) const {
