@@ -273,6 +273,24 @@ TEST_P(WholeModel, AreTheReferences) {
   EXPECT_LE(decibels(image_of(render_abuffer(plain())), truth), 45.0) << "it changes nothing";
 }
 
+/// What stands still costs no events: those of one moving object are in the pixels that it sweeps by itself.
+TEST(WholeModelCosts, OnlyPixelsThatAreSweptAre) {
+  for (const double radius : {0.1, 0.2, 0.4}) {
+    Scene scene = test::stage();
+    scene.objects = {test::checkered_sphere(radius, 60)};
+    test::move(scene.objects[0], {-0.3, 0.1, 2.0}, {0.2, 0.0, 2.0});
+    const auto alone = render_abuffer(scene);
+    scene.objects.push_back(test::checkered_sphere(1.6, 800));
+    const auto together = render_abuffer(scene);
+    ASSERT_TRUE(alone.ok() && together.ok());
+    const double swept = alone->statistics.counter("pixels_swept").value_or(0.0);
+    EXPECT_GT(swept, 0.0);
+    EXPECT_LT(swept, 64.0 * 48.0 / 4.0);
+    EXPECT_EQ(together->statistics.counter("pixels_swept"), swept) << radius;
+    EXPECT_GT(together->statistics.counter("pixels_still").value_or(0.0), 600.0);
+  }
+}
+
 /// Keyed poses through a spline, unasked: legs go by 17 px.
 TEST(WholeModelOfFiles, TheHorsesGallopAreTheReferences) {
   SWEPT_DATA_OR_SKIP(data);
