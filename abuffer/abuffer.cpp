@@ -106,11 +106,15 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
                 .model_by_interval = SurfaceModel(scene.model),
                 .simd = options.simd,
                 .stop = control.stop};
+  std::size_t kept = 0;
   std::optional<MeshFilm> meshes;
   if (has_triangles(scene)) {
     Result<MeshFilm> film = MeshFilm::follow(scene, window, options, control.stop);
     if (!film) return film.error();
     work.meshes = &meshes.emplace(*std::move(film));
+    kept = bytes_of(*meshes);
+    if (Status fits = check_bytes(kept, control, "the triangles' paths and tiles"); !fits)
+      return fits.error();
     out.statistics.time("paths", watch.lap());
   }
   std::optional<DiscFilm> discs;
@@ -118,7 +122,10 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   if (has_discs(scene) || !work.meshes) {
     work.discs =
         &discs.emplace(scene, window, options.parabolas ? SegmentShape::parabolas : SegmentShape::chords,
-                       options.tile_px, options.tile_fragments, control.stop);
+                       options.tile_px, options.tile_fragments, control.stop, control.max_bytes);
+    kept += discs->bins.bytes();
+    if (Status fits = check_bytes(kept, control, "the tiles' lists of what comes by"); !fits)
+      return fits.error();
     out.statistics.time("kernels", watch.lap());
     // Points that stand still in a cloud that moves are not in it, and then it is of no use.
     const KernelCounts& kernels = discs->counts;
@@ -153,6 +160,7 @@ Result<Rendered> render_swept(const Scene& scene, const AbufferOptions& options,
   out.statistics.time("rasterize, all threads", total.seconds_rasterize);
   out.statistics.time("resolve, all threads", total.seconds_resolve);
   describe(work.discs, work.meshes, total, out.statistics);
+  out.statistics.count("kept_bytes", static_cast<double>(kept));
   return out;
 }
 

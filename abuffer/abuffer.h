@@ -45,8 +45,9 @@ struct AbufferOptions {
 /// `simd` changes nothing of them.
 ///
 /// Errors: options, control or scene out of range, triangles together with Normalisation::pixel, not enough
-/// memory, and a render that was stopped. control.max_bytes bounds samples by depth, and what stands still;
-/// tile_fragments bounds the rest, beside the kernels.
+/// memory, and a render that was stopped. control.max_bytes bounds what is kept of moving points and
+/// triangles, what stands still, and samples by depth, each by itself; tile_fragments bounds what a thread
+/// holds of fragments.
 [[nodiscard]] Result<Rendered> render_abuffer(const Scene& scene, const AbufferOptions& options = {},
                                               const RenderControl& control = {});
 

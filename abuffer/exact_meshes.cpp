@@ -44,6 +44,12 @@ Result<MeshFilm> MeshFilm::follow(const Scene& scene, const Window& window, cons
   return film;
 }
 
+std::size_t bytes_of(const MeshFilm& film) {
+  std::size_t bytes = film.bins->bytes();
+  for (const MovingMesh& mesh : film.meshes) bytes += mesh.bytes();
+  return bytes;
+}
+
 Eigen::Vector3d MeshFragments::ray(int x, int y, double dx, double dy) const {
   const Projection& p = film_.projection;
   return {(x + 0.5 + dx - p.center_x) / p.focal_px, (y + 0.5 + dy - p.center_y) / p.focal_px, 1.0};

@@ -36,6 +36,9 @@ struct MeshFilm {
                                                const AbufferOptions& options, const std::stop_token& stop);
 };
 
+/// What its paths and bins take.
+[[nodiscard]] std::size_t bytes_of(const MeshFilm& film);
+
 class MeshFragments final : public FragmentSource {
  public:
   /// `film` must outlive it.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -39,6 +40,13 @@ template <class Work>
       return std::move(*result);
     });
   });
+}
+
+/// Whether what takes `bytes` is within RenderControl::max_bytes.
+[[nodiscard]] inline Status check_bytes(std::size_t bytes, const RenderControl& control, const char* what) {
+  if (control.max_bytes == 0 || bytes <= control.max_bytes) return Done{};
+  return Error{"", "max_bytes", std::string(what) + " alone take " + std::to_string(bytes) + " bytes",
+               ErrorKind::out_of_memory};
 }
 
 /// render(scene, options, control) in such an arena, if all are in range.

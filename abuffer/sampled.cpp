@@ -60,13 +60,12 @@ class Renderer {
     if (options_.max_seconds > 0.0 && exposure_.row_delay != 0.0)
       return Error{"", "max_seconds", "does not go with rows that are exposed one after the other",
                    ErrorKind::unsupported};
-    if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "the points alone take " + std::to_string(bytes) + " bytes",
-                   ErrorKind::out_of_memory};
-    if (options_.max_seconds > 0.0 && control_.max_bytes > 0 && bytes + kept_bytes() > control_.max_bytes)
-      return Error{"", "max_bytes",
-                   "points and what is kept of cells between refinements take " +
-                       std::to_string(bytes + kept_bytes()) + " bytes"};
+    if (Status fits = check_bytes(bytes, control_, "the points"); !fits) return fits.error();
+    if (options_.max_seconds > 0.0)
+      if (Status fits = check_bytes(bytes + kept_bytes(), control_,
+                                    "points and what is kept of cells between refinements");
+          !fits)
+        return fits.error();
     Stopwatch watch;
     Rendered out;
     const std::vector<PointPackets> objects = pack_points(scene_, all_rows, options_.only_standing);

@@ -334,5 +334,45 @@ TEST(Abuffer, TellsItsProgressAndStopsWhenAsked) {
   });
 }
 
+/// What it keeps of what moves is known to the byte; a byte less is too little.
+TEST(Abuffer, ObeysMaxBytes) {
+  Scene scene = particles();
+  for (const bool triangles : {false, true}) {
+    if (triangles) {
+      Object sheet = checkered_sphere(0.5, 300);
+      for (std::uint32_t i = 0; i + 2 < sheet.cloud.size(); ++i) sheet.triangles.push_back({i, i + 1, i + 2});
+      scene.objects.push_back(sheet);
+    }
+    const Result<Rendered> all = render_abuffer(scene);
+    ASSERT_TRUE(all.ok()) << all.error().message();
+    const auto bytes = static_cast<std::size_t>(counter(*all, "kept_bytes"));
+    EXPECT_GT(bytes, 1000u);
+    RenderControl control;
+    control.max_bytes = bytes;
+    EXPECT_TRUE(render_abuffer(scene, {}, control).ok());
+    for (const std::size_t little : {bytes - 1, std::size_t{1}}) {
+      control.max_bytes = little;
+      const Result<Rendered> refused = render_abuffer(scene, {}, control);
+      ASSERT_FALSE(refused.ok()) << little;
+      EXPECT_EQ(refused.error().field, "max_bytes");
+      EXPECT_EQ(refused.error().kind, ErrorKind::out_of_memory);
+    }
+  }
+}
+
+TEST(Abuffer, TheReferenceObeysMaxBytes) {
+  const Scene scene = busy_scene();
+  for (const ReferenceMotion motion : {ReferenceMotion::smooth, ReferenceMotion::segments}) {
+    RenderControl control;
+    control.max_bytes = 1000;
+    const Result<Rendered> refused = render_reference(scene, {.samples = 2, .motion = motion}, control);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().field, "max_bytes");
+    EXPECT_EQ(refused.error().kind, ErrorKind::out_of_memory);
+    control.max_bytes = 1 << 24;
+    EXPECT_TRUE(render_reference(scene, {.samples = 2, .motion = motion}, control).ok());
+  }
+}
+
 }  // namespace
 }  // namespace swept

@@ -15,6 +15,7 @@
 #include "splat/kernel/kernel_order.h"
 #include "splat/kernel/screen_bounds.h"
 #include "tests/image_difference.h"
+#include "tests/seen_kernel.h"
 #include "tests/small_scenes.h"
 
 namespace swept {
@@ -22,7 +23,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double delta = 3.0;
+using test::kernel_delta;
+using test::place_at;
+using test::Seen;
+using test::seen_by_instants;
+using test::seen_of;
 
 /// Crosses the view axis at depth 4 on a parabola, in a part of the exposure; its disc turned a little.
 MovingKernel bent_kernel(float radius = 0.02f) {
@@ -39,50 +44,9 @@ MovingKernel bent_kernel(float radius = 0.02f) {
   return kernel;
 }
 
-Vector3d place_at(const MovingKernel& kernel, double time) {
-  const double s = time - double{kernel.t_mid()}, half = kernel.half_time();
-  return kernel.center + s * kernel.velocity + (s * s - half * half / 3.0) * kernel.bend;
-}
-
 MovingKernel straight(MovingKernel kernel) {
   kernel.bend.setZero();
   return kernel;
-}
-
-struct Seen {
-  double light = 0.0, depth = 0.0;  ///< ∫ρ, and ∫ρz
-};
-
-/// By 20,000 instants, each a disc that stands still.
-Seen truth(const MovingKernel& kernel, double x, double y) {
-  Seen seen;
-  constexpr int instants = 20'000;
-  for (int k = 0; k < instants; ++k) {
-    const double length = 2.0 * kernel.half_time();
-    MovingKernel still = straight(kernel);
-    still.center = place_at(kernel, kernel.t_begin + length * (k + 0.5) / instants);
-    still.velocity.setZero();
-    const RayCoordinates<double> at = KernelPlane<double>(still).along(x, y);
-    const double square = at.u * at.u + at.v * at.v;
-    if (square > 1.0) continue;
-    const double weight = std::exp(-delta * square) * length / instants;
-    seen.light += weight;
-    seen.depth += weight * at.z;
-  }
-  return seen;
-}
-
-Seen sum_of(const RayFragment<double>& f) {
-  Seen seen;
-  constexpr int parts = 2000;
-  const double length = f.t_end - f.t_begin;
-  for (int k = 0; k < parts; ++k) {
-    const double since = length * (k + 0.5) / parts, y = f.y_begin + f.rate * since;
-    const double weight = f.peak * std::exp(-y * y) * length / parts;
-    seen.light += weight;
-    seen.depth += weight * (f.z_begin + f.z_rate * since);
-  }
-  return seen;
 }
 
 bool intersect(const MovingKernel& kernel, double x, double y, RayFragment<double>& fragment) {
@@ -90,7 +54,8 @@ bool intersect(const MovingKernel& kernel, double x, double y, RayFragment<doubl
   bending.velocity = kernel.bend;
   const RayCoordinates<double> bend = KernelPlane<double>(bending).along(x, y);
   return intersect_bent_tube<double>(KernelPlane<double>(kernel).along(x, y), {bend.du, bend.dv, bend.dz},
-                                     kernel.t_begin, kernel.t_end, 0.1, delta, kernel.weight, fragment);
+                                     kernel.t_begin, kernel.t_end, 0.1, kernel_delta, kernel.weight,
+                                     fragment);
 }
 
 TEST(BentKernel, ARaySeesWhatInstantsShow) {
@@ -100,13 +65,13 @@ TEST(BentKernel, ARaySeesWhatInstantsShow) {
     // About the path, from before its begin to after its end.
     const Vector3d at = place_at(kernel, 0.24 + 0.52 * k / 59);
     const double x = at.x() / at.z(), y = at.y() / at.z() + 0.0015 * (k % 5 - 2);
-    const Seen expected = truth(kernel, x, y);
+    const Seen expected = seen_by_instants(kernel, nullptr, x, y);
     RayFragment<double> fragment{};
-    const Seen seen = intersect(kernel, x, y, fragment) ? sum_of(fragment) : Seen{};
+    const Seen seen = intersect(kernel, x, y, fragment) ? seen_of(fragment) : Seen{};
     Seen by_chord;
     if (intersect_tube<double>(KernelPlane<double>(kernel).along(x, y), kernel.t_begin, kernel.t_end, 0.1,
-                               delta, kernel.weight, fragment))
-      by_chord = sum_of(fragment);
+                               kernel_delta, kernel.weight, fragment))
+      by_chord = seen_of(fragment);
     most = std::max(most, expected.light);
     worst = std::max(worst, std::abs(seen.light - expected.light));
     worst_straight = std::max(worst_straight, std::abs(by_chord.light - expected.light));
@@ -129,7 +94,7 @@ TEST(BentKernel, OneThatIsStraightIsThat) {
     RayFragment<double> bent{}, plain{};
     const bool hit = intersect(kernel, x, y, bent);
     ASSERT_EQ(hit, intersect_tube<double>(KernelPlane<double>(kernel).along(x, y), kernel.t_begin,
-                                          kernel.t_end, 0.1, delta, kernel.weight, plain));
+                                          kernel.t_end, 0.1, kernel_delta, kernel.weight, plain));
     if (!hit) continue;
     EXPECT_EQ(bent.t_begin, plain.t_begin);
     EXPECT_EQ(bent.t_end, plain.t_end);
@@ -142,10 +107,10 @@ TEST(BentKernel, WhatIsNotANumberIsAMiss) {
   const double nan = std::nan("");
   RayFragment<double> fragment{};
   for (const double bad : {nan, HUGE_VAL, -HUGE_VAL}) {
-    EXPECT_FALSE(intersect_bent_tube<double>({bad, 0, 1, 1, 0, 0}, {0.1, 0.1, 0}, 0.0, 1.0, 0.1, delta, 1.0,
-                                             fragment));
-    EXPECT_FALSE(
-        intersect_bent_tube<double>({0, 0, 1, 1, 0, 0}, {bad, 0.1, 0}, 0.0, 1.0, 0.1, delta, 1.0, fragment));
+    EXPECT_FALSE(intersect_bent_tube<double>({bad, 0, 1, 1, 0, 0}, {0.1, 0.1, 0}, 0.0, 1.0, 0.1, kernel_delta,
+                                             1.0, fragment));
+    EXPECT_FALSE(intersect_bent_tube<double>({0, 0, 1, 1, 0, 0}, {bad, 0.1, 0}, 0.0, 1.0, 0.1, kernel_delta,
+                                             1.0, fragment));
   }
 }
 

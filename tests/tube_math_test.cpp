@@ -1,4 +1,4 @@
-// Rays by the block against intersect_tube(), bit by bit, on every instruction set.
+// Rays by the block against intersect_tube() and intersect_bent_tube(), bit by bit, on every instruction set.
 #include "abuffer/simd/tube_math.h"
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "splat/kernel/bent_kernel.h"
 #include "splat/kernel/ray_kernel.h"
 
 namespace swept {
@@ -116,6 +117,85 @@ TEST(TubeMath, WhatIsHardlyANumberIsAMissOrLeftToTheTube) {
       }
       (void)expect_the_tubes_bits(maths.first[m], block, TubeBlock::most, {0.0, 1.0, 1e-3, 3.0});
     }
+  }
+}
+
+/// How many of the rays met the bent kernel; and none, or another bit, is a failure.
+std::size_t expect_the_bent_tubes_bits(const TubeMath& math, TubeBlock& block, const TubeBends& bends,
+                                       std::size_t count, const TubeSegment& segment, std::size_t& odd) {
+  const TubeBlock given = block;
+  const TubeHits hits = math.intersect_bent(block, bends, count, segment);
+  EXPECT_EQ(hits.met & hits.odd, 0u);
+  odd += static_cast<std::size_t>(std::popcount(hits.odd));
+  std::size_t met = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((hits.odd >> i & 1) != 0) continue;
+    RayFragment<double> f;
+    const bool expected =
+        intersect_bent_tube<double>(at(given, i), {bends.u[i], bends.v[i], bends.z[i]}, segment.begin,
+                                    segment.end, segment.near, segment.delta, 0.75, f);
+    EXPECT_EQ((hits.met >> i & 1) != 0, expected) << math.name << ", ray " << i << " of " << count;
+    if (!expected || (hits.met >> i & 1) == 0) continue;
+    ++met;
+    const double peak = 0.75 * std::exp(-segment.delta * block.nearest_squared[i]);
+    EXPECT_TRUE(same(block.t_begin[i], f.t_begin) && same(block.t_end[i], f.t_end) && same(peak, f.peak) &&
+                same(block.rate[i], f.rate) && same(block.y_begin[i], f.y_begin) &&
+                same(block.z_begin[i], f.z_begin) && same(block.dz[i], f.z_rate))
+        << math.name << ", ray " << i << " of " << count;
+  }
+  return met;
+}
+
+TEST(TubeMath, GivesTheBentTubesBits) {
+  const TubeMaths maths = tube_maths();
+  for (std::size_t m = 0; m < maths.count; ++m) {
+    Random random(3);
+    TubeBlock block = {};
+    TubeBends bends = {};
+    std::size_t met = 0, looked_at = 0, odd = 0;
+    for (int k = 0; k < 4000; ++k) {
+      const std::size_t count = 1 + random() % TubeBlock::most;
+      const double fast = std::exp2(uniform(random, -8.0, 8.0)), bent = std::exp2(uniform(random, -8.0, 4.0));
+      const double begin = uniform(random, 0.0, 0.4);
+      const TubeSegment segment{begin, uniform(random, begin, 1.0), k % 2 == 0 ? 0.1 : 1.0, 3.0};
+      for (std::size_t i = 0; i < count; ++i) {
+        // Some stand still but for their bend, and some have none.
+        const bool still = random() % 8 == 0, straight = random() % 8 == 0;
+        put(block, i,
+            {uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5), uniform(random, 0.5, 1.5),
+             still ? 0.0 : fast * uniform(random, -1.0, 1.0), still ? 0.0 : fast * uniform(random, -1.0, 1.0),
+             random() % 4 == 0 ? 0.0 : uniform(random, -2.0, 2.0)});
+        for (double* const bend : {bends.u, bends.v, bends.z})
+          bend[i] = straight ? 0.0 : bent * uniform(random, -1.0, 1.0);
+      }
+      met += expect_the_bent_tubes_bits(maths.first[m], block, bends, count, segment, odd);
+      looked_at += count;
+    }
+    EXPECT_GT(met, looked_at / 4) << "the test is to have something to look at";
+    EXPECT_LT(met, looked_at - looked_at / 8);
+    EXPECT_LT(odd, looked_at / 1000) << "or the scalar path would be the one that runs";
+  }
+}
+
+TEST(TubeMath, WhatIsHardlyABentPathIsAMissOrLeftToTheTube) {
+  const TubeMaths maths = tube_maths();
+  for (std::size_t m = 0; m < maths.count; ++m) {
+    Random random(4);
+    TubeBlock block = {};
+    TubeBends bends = {};
+    std::size_t met = 0, odd = 0;
+    for (int k = 0; k < 4000; ++k) {
+      for (std::size_t i = 0; i < TubeBlock::most; ++i) {
+        double value[9];
+        for (double& x : value) x = random() % 4 == 0 ? hard_value(random) : uniform(random, -1.0, 1.0);
+        put(block, i, {value[0], value[1], value[2], value[3], value[4], value[5]});
+        bends.u[i] = value[6], bends.v[i] = value[7], bends.z[i] = value[8];
+      }
+      met += expect_the_bent_tubes_bits(maths.first[m], block, bends, TubeBlock::most, {0.0, 1.0, 1e-3, 3.0},
+                                        odd);
+    }
+    EXPECT_GT(met, 10000u);
+    EXPECT_GT(odd, 10000u);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "abuffer/abuffer.h"
 #include "abuffer/sampled.h"
 #include "tests/image_difference.h"
+#include "tests/seen_kernel.h"
 #include "tests/small_scenes.h"
 
 namespace swept {
@@ -20,7 +21,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double delta = 3.0, near_depth = 0.1;
+using test::kernel_delta;
+using test::place_at;
+using test::Seen;
+using test::seen_by_instants;
+using test::seen_of;
+
+constexpr double near_depth = 0.1;
 
 /// In a part of the exposure, so that times are not those of the segment.
 MovingKernel kernel_moving(const Vector3d& velocity) {
@@ -50,55 +57,6 @@ DiscTurn turn_of(const MovingKernel& kernel) {
   return turn_through(disc(-1.0), kernel, disc(1.0));
 }
 
-Vector3d place_at(const MovingKernel& kernel, double time) {
-  const double s = time - double{kernel.t_mid()}, half = kernel.half_time();
-  return kernel.center + s * kernel.velocity + (s * s - half * half / 3.0) * kernel.bend;
-}
-
-struct Seen {
-  double light = 0.0, depth = 0.0, time = 0.0;  ///< ∫ρ, ∫ρz and ∫ρτ
-};
-
-/// By 20,000 instants, each a disc that stands still.
-Seen truth(const MovingKernel& kernel, const DiscTurn& turn, double x, double y) {
-  Seen seen;
-  constexpr int instants = 20'000;
-  const double length = 2.0 * kernel.half_time();
-  for (int k = 0; k < instants; ++k) {
-    const double time = kernel.t_begin + length * (k + 0.5) / instants, s = time - double{turn.t_mid};
-    MovingKernel still = kernel;
-    const DiscTurn::Axes axes = turn.at(kernel, time);
-    still.center = place_at(kernel, time);
-    still.axis_u = axes.u.cast<float>();
-    still.axis_v = axes.v.cast<float>();
-    still.velocity.setZero();
-    still.bend.setZero();
-    const RayCoordinates<double> at = KernelPlane<double>(still).along(x, y);
-    const double square = at.u * at.u + at.v * at.v;
-    if (square > 1.0) continue;
-    const double weight = (kernel.weight + s * (turn.weight_rate + s * turn.weight_bend)) *
-                          std::exp(-delta * square) * length / instants;
-    seen.light += weight;
-    seen.depth += weight * at.z;
-    seen.time += weight * time;
-  }
-  return seen;
-}
-
-Seen sum_of(const RayFragment<double>& f) {
-  Seen seen;
-  constexpr int parts = 2000;
-  const double length = f.t_end - f.t_begin;
-  for (int k = 0; k < parts; ++k) {
-    const double since = length * (k + 0.5) / parts, y = f.y_begin + f.rate * since;
-    const double weight = f.peak * std::exp(-y * y) * length / parts;
-    seen.light += weight;
-    seen.depth += weight * (f.z_begin + f.z_rate * since);
-    seen.time += weight * (f.t_begin + since);
-  }
-  return seen;
-}
-
 /// How far what a ray sees is from what instants show, of rays about the path: light, of the most that any
 /// sees, and the middle of its time and depth.
 Seen worst_of(const MovingKernel& kernel, const DiscTurn& turn, const auto& intersect) {
@@ -108,9 +66,9 @@ Seen worst_of(const MovingKernel& kernel, const DiscTurn& turn, const auto& inte
     for (int j = -2; j <= 2; ++j) {
       const Vector3d at = place_at(kernel, 0.25 + 0.5 * k / 11);
       const double x = at.x() / at.z() + 0.004 * j, y = at.y() / at.z() + 0.003 * j;
-      const Seen expected = truth(kernel, turn, x, y);
+      const Seen expected = seen_by_instants(kernel, &turn, x, y);
       RayFragment<double> fragment{};
-      const Seen seen = intersect(x, y, fragment) ? sum_of(fragment) : Seen{};
+      const Seen seen = intersect(x, y, fragment) ? seen_of(fragment) : Seen{};
       most = std::max(most, expected.light);
       worst.light = std::max(worst.light, std::abs(seen.light - expected.light));
       if (expected.light < 1e-3 || !(seen.light > 0.0)) continue;
@@ -127,11 +85,11 @@ void expect_what_instants_show(const MovingKernel& kernel, const char* name) {
   const DiscTurn turn = turn_of(kernel);
   const TurningPlane plane(kernel, turn, 0.0, false);
   const Seen turning = worst_of(kernel, turn, [&](double x, double y, RayFragment<double>& fragment) {
-    return plane.intersect(x, y, near_depth, delta, fragment);
+    return plane.intersect(x, y, near_depth, kernel_delta, fragment);
   });
   const Seen frozen = worst_of(kernel, turn, [&](double x, double y, RayFragment<double>& fragment) {
     return intersect_tube<double>(KernelPlane<double>(kernel).along(x, y), kernel.t_begin, kernel.t_end,
-                                  near_depth, delta, kernel.weight, fragment);
+                                  near_depth, kernel_delta, kernel.weight, fragment);
   });
   std::printf(
       "%s: light off by %.4f of the most, time by %.1e, depth by %.1e; with the middle's axes %.4f, %.1e, "
@@ -164,8 +122,8 @@ TEST(TurningKernel, APartOfItIsWhatItWas) {
   const TurningPlane of_whole(whole, turn, 0.0, false), of_part(part, turn, later, false);
   RayFragment<double> a{}, b{};
   const Vector3d at = place_at(whole, 0.42);
-  ASSERT_TRUE(of_whole.intersect(at.x() / at.z(), at.y() / at.z(), near_depth, delta, a));
-  ASSERT_TRUE(of_part.intersect(at.x() / at.z(), at.y() / at.z(), near_depth, delta, b));
+  ASSERT_TRUE(of_whole.intersect(at.x() / at.z(), at.y() / at.z(), near_depth, kernel_delta, a));
+  ASSERT_TRUE(of_part.intersect(at.x() / at.z(), at.y() / at.z(), near_depth, kernel_delta, b));
   for (const double time : {0.36, 0.4, 0.49}) {
     const auto value = [&](const RayFragment<double>& f, double t) {
       const double y = f.y_begin + f.rate * (t - f.t_begin);
@@ -215,7 +173,8 @@ TEST(TurningKernel, WhatIsNotANumberIsAMiss) {
     DiscTurn turn = turn_of(kernel);
     turn.u_rate.x() = bad;
     RayFragment<double> fragment{};
-    EXPECT_FALSE(TurningPlane(kernel, turn, 0.0, false).intersect(0.01, 0.005, near_depth, delta, fragment));
+    EXPECT_FALSE(
+        TurningPlane(kernel, turn, 0.0, false).intersect(0.01, 0.005, near_depth, kernel_delta, fragment));
   }
 }
 

@@ -196,7 +196,8 @@ TEST(MeshTables, AreMeasuredOnMadeUpScenes) {
   for (Object& object : scenes[0].scene.objects) make_flat(object);
   std::size_t calls = 0;
   const auto done = [&](const StudyTable&) { ++calls; };
-  const StudyTable table = visibility_table(scenes, {24, 64, true}, done);
+  const StudyTable table = visibility_table(
+      scenes, {.side_px = 24, .stills = 64, .quick = true, .triangles = {}, .motions_px = {}}, done);
   ASSERT_EQ(table.rows.size(), 8u);
   EXPECT_EQ(calls, 8u);
   EXPECT_EQ(table.failed, 1u);

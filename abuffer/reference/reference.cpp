@@ -290,6 +290,13 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     if (on_film.camera.aperture.radius > 0.0) {
       if (Status status = refuse_row_delay(on_film, "a lens"); !status) return status.error();
     }
+    const auto fit = [&](std::size_t kernels) {
+      return check_bytes(kernels * sizeof(MovingKernel), control, "the kernels");
+    };
+    // One each at an instant, and more over the exposure.
+    std::size_t discs = 0;
+    for (const Object& object : on_film.objects) discs += object.discs();
+    if (Status fits = fit(discs); !fits) return fits.error();
     if (options.motion == ReferenceMotion::smooth || on_film.camera.aperture.radius > 0.0)
       return render_built(on_film, options, control);
     if (Status status = refuse_row_delay(on_film, "the reference along segments"); !status)
@@ -297,6 +304,7 @@ Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& op
     Stopwatch watch;
     const KernelSet kernels = build_kernels(on_film, on_film.exposure(), control.stop);
     throw_if_stopped(control.stop);
+    if (Status fits = fit(kernels.kernels.size()); !fits) return fits.error();
     const double seconds = watch.lap();
     Result<Rendered> rendered = render_segments(kernels, on_film, options, control);
     if (rendered) rendered->statistics.time("kernels", seconds);

@@ -47,6 +47,7 @@ struct ReferenceOptions {
 /// statistics and along true paths; of `control` it looks at the threads.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
+/// control.max_bytes bounds the discs' kernels.
 [[nodiscard]] Result<Rendered> render_reference(const Scene& scene, const ReferenceOptions& options,
                                                 const RenderControl& control = {});
 

@@ -25,22 +25,35 @@ void SurfaceStack::start(std::size_t places, bool apart) {
   ranked_.assign(places, 0);
 }
 
-Ticks ActiveSet::take_tolerances(Ticks begin, Ticks end) {
+Ticks ActiveSet::tolerances_last(Ticks begin, Ticks end) const {
   // Of few each is much of the picture, and they are soon resolved.
   const float most_change = static_cast<float>(std::min<std::size_t>(tolerances.size(), 64)) / 4096.0f;
-  float fastest = 0.0f;
   const auto from = static_cast<float>(share_of(begin));
-  for (const Tolerance& t : tolerances)
-    fastest =
-        std::max(fastest, std::abs(t.rate) / std::max(t.at_zero + from * t.rate, 1e-3f * std::abs(t.rate)));
-  const auto longest = static_cast<Ticks>(static_cast<double>(shutter_close) *
-                                          std::min(1.0, most_change / std::max(double{fastest}, 1e-9)));
-  end = std::min(end, begin + std::max(longest, shortest_interval));
+  const auto capped = [&](float fastest) {
+    const auto longest = static_cast<Ticks>(static_cast<double>(shutter_close) *
+                                            std::min(1.0, most_change / std::max(double{fastest}, 1e-9)));
+    return std::min(end, begin + std::max(longest, shortest_interval));
+  };
+  const auto at_least = [&](const Tolerance& t) {
+    return std::max(t.at_zero + from * t.rate, 1e-3f * std::abs(t.rate));
+  };
+  // Mostly none is too fast even for the smallest, which is told without a quotient each.
+  float most_rate = 0.0f, least = infinity;
+  for (const Tolerance& t : tolerances) {
+    most_rate = std::max(most_rate, std::abs(t.rate));
+    if (t.rate != 0.0f) least = std::min(least, at_least(t));
+  }
+  if (capped(most_rate / least) == end) return end;
+  float fastest = 0.0f;
+  for (const Tolerance& t : tolerances) fastest = std::max(fastest, std::abs(t.rate) / at_least(t));
+  return capped(fastest);
+}
+
+void ActiveSet::set_tolerances(Ticks begin, Ticks end) {
   const auto middle = static_cast<float>(share_of(begin + (end - begin) / 2));
   for (std::size_t slot = 0; slot < tolerances.size(); ++slot)
     members.set(member_tolerance, slot,
                 std::max(0.0f, tolerances[slot].at_zero + middle * tolerances[slot].rate));
-  return end;
 }
 
 Ticks SurfaceStack::build(const ActiveSet& active, Ticks begin, Ticks end, SweepCounters& counters) {

@@ -85,9 +85,10 @@ struct ActiveSet {
     if (!tolerances.empty()) tolerances.pop_back();
     members.pop();
   }
-  /// Gives each member the tolerance that it has in the middle of [begin, end]. Returns for how long from
-  /// `begin` none is off by more than a 128th of itself, or `end`.
-  Ticks take_tolerances(Ticks begin, Ticks end);
+  /// Until when, from `begin` on, tolerances of one instant will do for all of it, or `end`.
+  [[nodiscard]] Ticks tolerances_last(Ticks begin, Ticks end) const;
+  /// Gives each member the tolerance that it has in the middle of [begin, end].
+  void set_tolerances(Ticks begin, Ticks end);
   /// The last member takes the place of member `slot`.
   void remove(std::size_t slot) {
     slot_of_place[place_of_slot[slot]] = no_slot;

@@ -246,12 +246,12 @@ Ticks PixelSweep::advance(Ticks begin, PixelSum& pixel) {
     return event;
   }
   Ticks end = step_ > 0 ? std::min(std::max(begin + step_, event), latest) : event;
-  if (step_ > 0 && changes_.tolerances) end = active_.take_tolerances(begin, end);
+  if (step_ > 0 && changes_.tolerances) end = active_.tolerances_last(begin, end);
   if (step_ > 0) admit(end);
   bool failed = false;
   while (step_ > 0) {
     counters_->evaluations += active_.members.size();
-    if (changes_.tolerances) (void)active_.take_tolerances(begin, end);
+    if (changes_.tolerances) active_.set_tolerances(begin, end);
     Members members = active_.members.view();
     members.enough = model_.hard() ? std::numeric_limits<float>::min() : model_.edge_weight();
     FrontSum front = math_.front_over(members, begin, end);
@@ -384,9 +384,10 @@ std::optional<Ticks> PixelSweep::resolve_merged(Ticks begin, Ticks event, PixelS
   while (end > event) {
     admit(end);
     if (changes_.tolerances) {
-      const Ticks same = std::max(active_.take_tolerances(begin, end), event);
+      const Ticks same = std::max(active_.tolerances_last(begin, end), event);
       if (same < end) withdraw(end = same);
       if (end == event) break;
+      active_.set_tolerances(begin, end);
     }
     const Ticks settled = merged_.build(active_, begin, end, pixel.by_depth != nullptr, *counters_);
     if (settled < end) {
@@ -425,7 +426,10 @@ Ticks PixelSweep::resolve_stack(Ticks begin, Ticks end, PixelSum& pixel) {
   step_ = 0;
   while (begin < end) {
     Ticks piece_end = end;
-    if (changes_.tolerances) piece_end = active_.take_tolerances(begin, end);
+    if (changes_.tolerances) {
+      piece_end = active_.tolerances_last(begin, end);
+      active_.set_tolerances(begin, piece_end);
+    }
     piece_end = surfaces_.build(active_, begin, piece_end, *counters_);
     const bool opaque = surfaces_.opaque();
     if (!hidden_.empty() && !(opaque && surfaces_.limit() < hidden_min_z_)) {

@@ -8,7 +8,7 @@
 namespace swept {
 
 DiscFilm::DiscFilm(const Scene& scene, const Window& window, SegmentShape shape, int tile_px,
-                   std::size_t limit, const std::stop_token& stop)
+                   std::size_t limit, const std::stop_token& stop, std::size_t max_bytes)
     : maker(scene, scene.exposure(), shape),
       bins(window, tile_px, maker.projection(), maker.near()),
       raster{maker.projection(), maker.near(), scene.model.delta, 0,
@@ -18,6 +18,7 @@ DiscFilm::DiscFilm(const Scene& scene, const Window& window, SegmentShape shape,
       fragment_limit(limit) {
   counts = maker.make_all(
       [&](const KernelSource& source, const MovingKernel& kernel, const DiscTurn* turn) {
+        if (max_bytes > 0 && bins.bytes() > max_bytes) return;
         ++kernels;
         order.include(kernel);
         bins.add(source, kernel, turn);

@@ -24,9 +24,10 @@ struct DiscFilm {
   RasterModel raster;  ///< `backs` is of a tile
   std::size_t fragment_limit;
 
-  /// The scene must outlive it. Throws Stopped once `stop` asks for it.
+  /// The scene must outlive it. Bins that take more than `max_bytes` are left as they are by then; 0: none
+  /// do. Throws Stopped once `stop` asks for it.
   DiscFilm(const Scene& scene, const Window& window, SegmentShape shape, int tile_px, std::size_t limit,
-           const std::stop_token& stop);
+           const std::stop_token& stop, std::size_t max_bytes = 0);
 };
 
 class DiscFragments final : public FragmentSource {

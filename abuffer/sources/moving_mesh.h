@@ -53,6 +53,8 @@ class MovingMesh {
   /// Whether object and camera mirror it, so that its front is where it looks clockwise.
   [[nodiscard]] bool mirrored(std::size_t stretch) const { return mirrored_[stretch] != 0; }
   [[nodiscard]] int degree() const { return degree_; }
+  /// What its paths take.
+  [[nodiscard]] std::size_t bytes() const { return controls_.size() * sizeof(Eigen::Vector3d); }
   [[nodiscard]] std::size_t stretches() const { return times_.size() - 1; }
   /// Where stretch `s` begins; and where the last one ends.
   [[nodiscard]] double time(std::size_t s) const { return times_[s]; }

@@ -84,7 +84,7 @@ class RayBatch {
     if (count_ == 0) return;
     out.ensure(count_);
     if (seen.turning)
-      append_turning(out, *seen.turning, model);
+      append_turning(out, *seen.turning, seen.kernel, model);
     else if (seen.bending)
       append_bent(out, seen.plane, *seen.bending, seen.kernel, model);
     else
@@ -98,56 +98,99 @@ class RayBatch {
     look_along(plane);
     const TubeHits hits =
         math_.intersect(tubes_, count_, {kernel.t_begin, kernel.t_end, model.near, model.delta});
-    const double weight = kernel.weight;
+    append_hits(
+        out, hits, model.delta, kernel.weight, [](RayFragment<double>&) { return true; },
+        [&](std::size_t i, RayFragment<double>& fragment) {
+          return intersect_tube<double>(plane.along(x_[i], y_[i]), kernel.t_begin, kernel.t_end, model.near,
+                                        model.delta, kernel.weight, fragment);
+        });
+  }
+
+  void append_bent(FragmentArrays& out, const KernelPlane<double>& plane, const KernelPlane<double>& bending,
+                   const MovingKernel& kernel, const RasterModel& model) {
+    look_along(plane);
+    look_along_bend(bending);
+    const TubeHits hits =
+        math_.intersect_bent(tubes_, bends_, count_, {kernel.t_begin, kernel.t_end, model.near, model.delta});
+    append_hits(
+        out, hits, model.delta, kernel.weight, [](RayFragment<double>&) { return true; },
+        [&](std::size_t i, RayFragment<double>& fragment) {
+          return intersect_bent_tube<double>(plane.along(x_[i], y_[i]), bend_along(bending, x_[i], y_[i]),
+                                             kernel.t_begin, kernel.t_end, model.near, model.delta,
+                                             kernel.weight, fragment);
+        });
+  }
+
+  void append_turning(FragmentArrays& out, const TurningPlane& turning, const MovingKernel& kernel,
+                      const RasterModel& model) {
+    look_along(turning);
+    const TubeHits hits =
+        math_.intersect_bent(tubes_, bends_, count_, {kernel.t_begin, kernel.t_end, model.near, model.delta});
+    append_hits(
+        out, hits, model.delta, 1.0, [&](RayFragment<double>& fragment) { return turning.weigh(fragment); },
+        [&](std::size_t i, RayFragment<double>& fragment) {
+          return turning.intersect(x_[i], y_[i], model.near, model.delta, fragment);
+        });
+  }
+
+  /// Of the rays that meet the kernel, finished by finish(fragment); those that are odd by one(i, fragment).
+  template <class Finish, class One>
+  void append_hits(FragmentArrays& out, const TubeHits& hits, double delta, double weight,
+                   const Finish& finish, const One& one) const {
     for (std::uint64_t left = hits.met | hits.odd; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       RayFragment<double> fragment;
-      if ((hits.odd >> i & 1) == 0)
-        fragment = {
-            tubes_.t_begin[i], tubes_.t_end[i], weight * std::exp(-model.delta * tubes_.nearest_squared[i]),
-            tubes_.y_begin[i], tubes_.rate[i],  tubes_.z_begin[i],
-            tubes_.dz[i]};
-      else if (!intersect_tube<double>(plane.along(x_[i], y_[i]), kernel.t_begin, kernel.t_end, model.near,
-                                       model.delta, weight, fragment))
+      if ((hits.odd >> i & 1) == 0) {
+        fragment = {tubes_.t_begin[i], tubes_.t_end[i], weight * std::exp(-delta * tubes_.nearest_squared[i]),
+                    tubes_.y_begin[i], tubes_.rate[i],  tubes_.z_begin[i],
+                    tubes_.dz[i]};
+        if (!finish(fragment)) continue;
+      } else if (!one(i, fragment)) {
         continue;
+      }
       append(fragment, pixel_[i], shade_[i], out);
     }
   }
 
-  void append_bent(FragmentArrays& out, const KernelPlane<double>& plane, const KernelPlane<double>& bending,
-                   const MovingKernel& kernel, const RasterModel& model) const {
-    for (std::size_t i = 0; i < count_; ++i) {
-      RayFragment<double> fragment;
-      if (intersect_bent_tube<double>(plane.along(x_[i], y_[i]), bend_along(bending, x_[i], y_[i]),
-                                      kernel.t_begin, kernel.t_end, model.near, model.delta, kernel.weight,
-                                      fragment))
-        append(fragment, pixel_[i], shade_[i], out);
+  /// Up to whole vectors.
+  std::size_t padded() {
+    const std::size_t size = (count_ + widest - 1) / widest * widest;
+    for (std::size_t i = count_; i < size; ++i) {
+      x_[i] = x_[count_ - 1];
+      y_[i] = y_[count_ - 1];
     }
+    return size;
   }
 
-  void append_turning(FragmentArrays& out, const TurningPlane& turning, const RasterModel& model) const {
-    for (std::size_t i = 0; i < count_; ++i) {
-      RayFragment<double> fragment;
-      if (turning.intersect(x_[i], y_[i], model.near, model.delta, fragment))
-        append(fragment, pixel_[i], shade_[i], out);
-    }
+  void put(std::size_t i, const RayCoordinates<double>& ray) {
+    tubes_.u[i] = ray.u;
+    tubes_.v[i] = ray.v;
+    tubes_.z[i] = ray.z;
+    tubes_.du[i] = ray.du;
+    tubes_.dv[i] = ray.dv;
+    tubes_.dz[i] = ray.dz;
+  }
+  void put(std::size_t i, const RayBend<double>& bend) {
+    bends_.u[i] = bend.u;
+    bends_.v[i] = bend.v;
+    bends_.z[i] = bend.z;
   }
 
   // Flattened: what of along() does not depend on the ray leaves the loop, and the loop becomes vectors.
   [[gnu::flatten]] void look_along(const KernelPlane<double>& plane) {
-    const std::size_t padded = (count_ + widest - 1) / widest * widest;
-    for (std::size_t i = count_; i < padded; ++i) {
-      x_[i] = x_[count_ - 1];
-      y_[i] = y_[count_ - 1];
-    }
-    for (std::size_t i = 0; i < padded; ++i) {
-      const RayCoordinates<double> ray = plane.along(x_[i], y_[i]);
-      tubes_.u[i] = ray.u;
-      tubes_.v[i] = ray.v;
-      tubes_.z[i] = ray.z;
-      tubes_.du[i] = ray.du;
-      tubes_.dv[i] = ray.dv;
-      tubes_.dz[i] = ray.dz;
+    const std::size_t size = padded();
+    for (std::size_t i = 0; i < size; ++i) put(i, plane.along(x_[i], y_[i]));
+  }
+  [[gnu::flatten]] void look_along_bend(const KernelPlane<double>& bending) {
+    const std::size_t size = padded();
+    for (std::size_t i = 0; i < size; ++i) put(i, bend_along(bending, x_[i], y_[i]));
+  }
+  [[gnu::flatten]] void look_along(const TurningPlane& turning) {
+    const std::size_t size = padded();
+    for (std::size_t i = 0; i < size; ++i) {
+      const TurningPlane::Seen seen = turning.along(x_[i], y_[i]);
+      put(i, seen.mean);
+      put(i, seen.bend);
     }
   }
 
@@ -158,6 +201,7 @@ class RayBatch {
   double x_[TubeBlock::most], y_[TubeBlock::most];
   std::uint32_t pixel_[TubeBlock::most], shade_[TubeBlock::most];
   TubeBlock tubes_;
+  TubeBends bends_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "abuffer/lens_looks.h"
 #include "abuffer/parallel.h"
+#include "abuffer/render_valid.h"
 #include "abuffer/resolve/cell_image.h"
 #include "abuffer/splats/cell_work.h"
 #include "abuffer/splats/film_surfaces.h"
@@ -45,9 +46,7 @@ class SplatFrame {
   Result<Rendered> render() {
     if (Status status = check_lens(lens_, options_); !status) return status.error();
     const std::size_t bytes = packed_splat_bytes(scene_) + packed_bytes(scene_, exposure_);
-    if (control_.max_bytes > 0 && bytes > control_.max_bytes)
-      return Error{"", "max_bytes", "splats and points alone take " + std::to_string(bytes) + " bytes",
-                   ErrorKind::out_of_memory};
+    if (Status fits = check_bytes(bytes, control_, "splats and points"); !fits) return fits.error();
     Stopwatch watch;
     Rendered out;
     sets_ = pack_splats(scene_, exposure_, options_.only_standing);

@@ -111,13 +111,6 @@ void develop(const Scene& scene, Block& block, Image& image) {
     }
 }
 
-/// Whether kernels and paths take no more than they may.
-Status check_bytes(std::size_t bytes, const RenderControl& control) {
-  if (control.max_bytes == 0 || bytes <= control.max_bytes) return Done{};
-  return Error{"", "max_bytes", "kernels and paths alone take " + std::to_string(bytes) + " bytes",
-               ErrorKind::out_of_memory};
-}
-
 std::string name_of(const StochasticOptions& options) {
   switch (options.traversal) {
     case Traversal::tile:
@@ -148,14 +141,15 @@ Result<Rendered> render_checked(const Scene& scene, const StochasticOptions& giv
   const SampleSource source(scene, exposure, options.samples, options.times);
   const FilmView view{projection_of(scene.film, scene.camera.at(exposure.middle())), scene.camera.near,
                       source.reach()};
+  constexpr const char* memory = "kernels and paths";
   // A disc has a kernel at least.
   std::size_t discs = 0;
   for (const Object& object : scene.objects) discs += object.discs();
-  if (Status fits = check_bytes(discs * sizeof(MovingKernel), control); !fits) return fits.error();
+  if (Status fits = check_bytes(discs * sizeof(MovingKernel), control, memory); !fits) return fits.error();
   const Result<Primitives> found = Primitives::of(scene, exposure, view, control.stop);
   if (!found) return found.error();
   const Primitives& primitives = *found;
-  if (Status fits = check_bytes(primitives.bytes(), control); !fits) return fits.error();
+  if (Status fits = check_bytes(primitives.bytes(), control, memory); !fits) return fits.error();
   Rendered out;
   Statistics& statistics = out.statistics;
   statistics.time("paths", watch.lap());

@@ -30,6 +30,10 @@ class TileBins {
     }
   }
   [[nodiscard]] std::size_t entry_count() const { return entries_; }
+  /// What they take.
+  [[nodiscard]] std::size_t bytes() const {
+    return blocks_.size() * sizeof(Block) + last_.size() * sizeof(Last);
+  }
   [[nodiscard]] std::size_t outside() const { return outside_; }  ///< kernels that touch no pixel
   [[nodiscard]] std::size_t facing_away() const {
     return facing_away_;

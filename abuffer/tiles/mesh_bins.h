@@ -47,6 +47,7 @@ class MeshBins {
     return std::span(entries_).subspan(starts_[tile], starts_[tile + 1] - starts_[tile]);
   }
   [[nodiscard]] std::size_t entry_count() const { return entries_.size(); }
+  [[nodiscard]] std::size_t bytes() const { return entries_.size() * sizeof(Entry); }
 
  private:
   TileGrid tiles_;

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
+
+#include "splat/kernel/ray_kernel.h"
 
 namespace swept {
 namespace {
@@ -14,8 +17,14 @@ double rms_radius(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(0.5 * (a.squaredNorm() + b.squaredNorm()));
 }
 
-Eigen::Vector3d times_power_of_two(const Eigen::Vector3d& v, int power) {
-  return {std::ldexp(v.x(), power), std::ldexp(v.y(), power), std::ldexp(v.z(), power)};
+/// Cosine, not negative, and sine of half the angle of (x, y): by roots, which round alike everywhere.
+std::pair<double, double> half_angle(double x, double y) {
+  const double length = length_of(x, y);
+  if (!(length > 0.0)) return {1.0, 0.0};
+  // The larger of the two by the root, the other by what their product is: no difference of near equals.
+  const double larger = std::sqrt(0.5 * (1.0 + std::abs(x) / length));
+  const double other = 0.5 * (std::abs(y) / length) / larger;
+  return x >= 0.0 ? std::pair(larger, std::copysign(other, y)) : std::pair(other, std::copysign(larger, y));
 }
 
 FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vector3d& axis_u,
@@ -31,8 +40,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
   const Eigen::Vector2d q_v = axis_v.head<2>() - tangent * axis_v.z();
 
   // One Jacobi rotation in (u, v) makes the columns of Q orthogonal: Q = Σ sᵢ lᵢ rᵢᵀ.
-  const double angle = 0.5 * std::atan2(2.0 * q_u.dot(q_v), q_u.squaredNorm() - q_v.squaredNorm());
-  const double cosine = std::cos(angle), sine = std::sin(angle);
+  const auto [cosine, sine] = half_angle(q_u.squaredNorm() - q_v.squaredNorm(), 2.0 * q_u.dot(q_v));
   const Eigen::Vector2d major = cosine * q_u + sine * q_v;
   const double s_major = major.norm();
   const Eigen::Vector2d l_major =
@@ -43,7 +51,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
 
   double size_squared = 0.0;
   const auto lift = [&](const Eigen::Vector2d& direction, double s, double disc_z) {
-    const double filtered = std::hypot(s, radius);
+    const double filtered = length_of(s, radius);
     const double z = s / filtered * disc_z;
     // Of a radius too small for a quarter of it the least normal number has to do.
     const double shown = std::max({std::abs(s), 0.25 * radius, std::numeric_limits<double>::min()});
@@ -54,7 +62,7 @@ FilteredDisc filter_scaled_disc(const Eigen::Vector2d& tangent, const Eigen::Vec
   };
   disc.axis_u = lift(l_major, s_major, cosine * axis_u.z() + sine * axis_v.z());
   disc.axis_v = lift(l_minor, s_minor, cosine * axis_v.z() - sine * axis_u.z());
-  disc.weight = s_major / std::hypot(s_major, radius) * (std::abs(s_minor) / std::hypot(s_minor, radius));
+  disc.weight = s_major / length_of(s_major, radius) * (std::abs(s_minor) / length_of(s_minor, radius));
   disc.size = std::sqrt(size_squared);
   return disc;
 }
@@ -68,14 +76,16 @@ FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& a
   Eigen::Vector2d tangent(std::clamp(center.x() / depth, -filter.max_tangent_x, filter.max_tangent_x),
                           std::clamp(center.y() / depth, -filter.max_tangent_y, filter.max_tangent_y));
   if (filter.orthographic) tangent.setZero();
-  // Lengths about 1, for their squares and products to stay in range. Changes no bit otherwise.
+  // Lengths about 1, for their squares and products to stay in range: by a power of two, itself in range both
+  // ways, which changes no bit otherwise.
   int power = 0;
   std::frexp(std::max({axis_u.cwiseAbs().maxCoeff(), axis_v.cwiseAbs().maxCoeff(), radius}), &power);
-  FilteredDisc disc = filter_scaled_disc(tangent, times_power_of_two(axis_u, -power),
-                                         times_power_of_two(axis_v, -power), std::ldexp(radius, -power));
-  disc.axis_u = times_power_of_two(disc.axis_u, power);
-  disc.axis_v = times_power_of_two(disc.axis_v, power);
-  disc.size = std::ldexp(disc.size, power);
+  power = std::clamp(power, -1000, 1000);
+  const double unit = std::ldexp(1.0, power), per_unit = std::ldexp(1.0, -power);
+  FilteredDisc disc = filter_scaled_disc(tangent, per_unit * axis_u, per_unit * axis_v, per_unit * radius);
+  disc.axis_u *= unit;
+  disc.axis_v *= unit;
+  disc.size *= unit;
   return disc;
 }
 

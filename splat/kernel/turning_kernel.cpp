@@ -64,34 +64,21 @@ TurningPlane::TurningPlane(const MovingKernel& kernel, const DiscTurn& turn, dou
 
 bool TurningPlane::intersect(double x, double y, double near, double delta,
                              RayFragment<double>& fragment) const {
-  const double half = 0.5 * (end_ - begin_);
-  const RayCoordinates<double> a = first_.along(x, y), m = middle_.along(x, y), b = last_.along(x, y);
-  const auto mean = [](double from, double middle, double to) {
-    return (from + to + 4.0 * middle) * (1.0 / 6.0);
-  };
-  const double per_time = 0.5 / half, per_square = 0.5 / (half * half);
-  const RayCoordinates<double> line{mean(a.u, m.u, b.u),    mean(a.v, m.v, b.v),    mean(a.z, m.z, b.z),
-                                    (b.u - a.u) * per_time, (b.v - a.v) * per_time, (b.z - a.z) * per_time};
-  const RayBend<double> bend{(a.u + b.u - 2.0 * m.u) * per_square, (a.v + b.v - 2.0 * m.v) * per_square,
-                             (a.z + b.z - 2.0 * m.z) * per_square};
-  if (!intersect_bent_tube<double>(line, bend, begin_, end_, near, delta, 1.0, fragment)) return false;
-  weigh(fragment);
-  return fragment.peak > 0.0;
+  const Seen seen = along(x, y);
+  return intersect_bent_tube<double>(seen.mean, seen.bend, begin_, end_, near, delta, 1.0, fragment) &&
+         weigh(fragment);
 }
 
 /// Times a weight that changes evenly, e^(κs): that makes another Gaussian of it, whose peak is elsewhere.
 /// One that hardly changes by itself gets what width the change asks for, with the mean it had.
-void TurningPlane::weigh(RayFragment<double>& fragment) const {
+bool TurningPlane::weigh(RayFragment<double>& fragment) const {
   const double reach = 0.5 * (fragment.t_end - fragment.t_begin), center = fragment.t_begin + reach;
   const double weight = weight_at(center) + weight_bend_ * reach * reach / 3.0;
-  if (!(weight > 0.0)) {
-    fragment.peak = 0.0;
-    return;
-  }
+  if (!(weight > 0.0)) return false;
   fragment.peak *= weight;
   constexpr double least = 0.004, most = 0.5, narrowest = 0.25;
   const double change = (weight_rate_ + 2.0 * (center - t_mid_) * weight_bend_) / weight * reach;
-  if (!(std::abs(change) > least)) return;
+  if (!(std::abs(change) > least)) return fragment.peak > 0.0;
   // In units of `reach`, from the middle.
   const double y = fragment.y_begin + fragment.rate * reach, rate = fragment.rate * reach;
   const double slope = std::clamp(change, -most, most) - 2.0 * y * rate;
@@ -99,6 +86,7 @@ void TurningPlane::weigh(RayFragment<double>& fragment) const {
   fragment.peak *= std::exp(new_y * new_y - y * y) * (1.0 + (new_rate * new_rate - rate * rate) / 3.0);
   fragment.rate = new_rate / reach;
   fragment.y_begin = new_y - new_rate;
+  return fragment.peak > 0.0;
 }
 
 }  // namespace swept

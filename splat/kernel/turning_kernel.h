@@ -70,12 +70,31 @@ class TurningPlane {
   [[nodiscard]] bool intersect(double x, double y, double near, double delta,
                                RayFragment<double>& fragment) const;
 
+  /// What intersect() takes its kernel of weight 1 for.
+  struct Seen {
+    RayCoordinates<double> mean;
+    RayBend<double> bend;
+  };
+  [[nodiscard]] Seen along(double x, double y) const {
+    const double half = 0.5 * (end_ - begin_);
+    const RayCoordinates<double> a = first_.along(x, y), m = middle_.along(x, y), b = last_.along(x, y);
+    const auto mean = [](double from, double middle, double to) {
+      return (from + to + 4.0 * middle) * (1.0 / 6.0);
+    };
+    const double per_time = 0.5 / half, per_square = 0.5 / (half * half);
+    return {{mean(a.u, m.u, b.u), mean(a.v, m.v, b.v), mean(a.z, m.z, b.z), (b.u - a.u) * per_time,
+             (b.v - a.v) * per_time, (b.z - a.z) * per_time},
+            {(a.u + b.u - 2.0 * m.u) * per_square, (a.v + b.v - 2.0 * m.v) * per_square,
+             (a.z + b.z - 2.0 * m.z) * per_square}};
+  }
+  /// And gives the fragment of it the weight that there is. False: none.
+  [[nodiscard]] bool weigh(RayFragment<double>& fragment) const;
+
  private:
   [[nodiscard]] double weight_at(double time) const {
     const double s = time - t_mid_;
     return weight_ + s * (weight_rate_ + s * weight_bend_);
   }
-  void weigh(RayFragment<double>& fragment) const;
 
   double begin_, end_;
   KernelPlane<double> first_, middle_, last_;

@@ -107,8 +107,8 @@ PathCutter::Axes PathCutter::axes_of(const Seen& first, const Seen& middle, cons
     axes.follow = keeps_axes(first, middle, last);
     return axes;
   }
-  const FilteredDisc there = filtered(middle, nullptr), from = filtered(first, &there),
-                     to = filtered(last, &there);
+  const FilteredDisc& there = axes.middle = filtered(middle, nullptr);
+  const FilteredDisc from = filtered(first, &there), to = filtered(last, &there);
   axes.turn.emplace(FilmDisc(from, first.center, projection_), FilmDisc(there, middle.center, projection_),
                     FilmDisc(to, last.center, projection_));
   const bool parallel = projection_.orthographic;
@@ -123,8 +123,7 @@ PathCutter::Axes PathCutter::axes_of(const Seen& first, const Seen& middle, cons
 /// Whether they follow the disc at a share of the time, too.
 bool PathCutter::near_axes(const Axes& axes, const Seen& middle, const Seen& truth, double share) const {
   if (!axes.turn) return near_middle(truth, middle);
-  const FilteredDisc there = filtered(middle, nullptr);
-  const FilmDisc disc(filtered(truth, &there), truth.center, projection_);
+  const FilmDisc disc(filtered(truth, &axes.middle), truth.center, projection_);
   if (!(axes.turn->off_px(disc, share) <= turn_part * tolerance_px_ &&
         axes.turn->weight_off(disc, share) <= most_weight_off))
     return false;

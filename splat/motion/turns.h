@@ -84,6 +84,7 @@ class TurnOnFilm {
 /// The axes of a segment.
 struct PathCutter::Axes {
   bool follow = false;                                       ///< the disc, at the ends and in the middle
+  FilteredDisc middle;                                       ///< with `turn`
   std::optional<TurnOnFilm> turn;                            ///< none: they are the middle's
   std::optional<std::array<KernelPlane<double>, 3>> planes;  ///< with `turn`
 
