@@ -203,7 +203,7 @@ void pack_poses(const SurfelCloud& cloud, const std::vector<PathWeights>& poses,
             fetch(base.position, point);
             fetch(base.axis_u, point);
             fetch(base.axis_v, point);
-            fetch(cloud.velocity, point);
+            if (poses[pose].velocity != 0.0) fetch(cloud.velocity, point);
           });
       origins[p] = low + (0.5 * high - 0.5 * low);
       float* const offset = offsets.data() + 3 * p * packet_size;

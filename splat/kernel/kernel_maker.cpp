@@ -114,12 +114,14 @@ class ObjectKernels {
     if (!still_ && cuts_by_point(scene, object, exposure)) {
       cutter_.emplace(scene, object, all_, shape);
       take_side(instant_at(scene, object, all_, 0.5));
-      // Shutter time is that of the first row.
-      begin_ = exposure.curve ? 0.0 : (all_.open - exposure.open) / length();
-      scale_ = exposure.curve ? 1.0 : (all_.close - all_.open) / length();
     } else {
       alike_.emplace(scene, object, exposure, looks_change_, still_);
       take_side(alike_->first_middle());
+    }
+    // Shutter time is that of the first row; what stands still is there for the others, too.
+    if (exposure.row_delay != 0.0 && length() > 0.0) {
+      begin_ = (all_.open - exposure.open) / length();
+      scale_ = (all_.close - all_.open) / length();
     }
   }
 
@@ -181,10 +183,8 @@ class ObjectKernels {
 
   bool fill(std::size_t i, PathSegment segment, MovingKernel& kernel, std::optional<DiscTurn>& turn,
             KernelCounts& counts) const {
-    if (cutter_) {
-      segment.begin = begin_ + scale_ * segment.begin;
-      segment.end = begin_ + scale_ * segment.end;
-    }
+    segment.begin = begin_ + scale_ * segment.begin;
+    segment.end = begin_ + scale_ * segment.end;
     const double length_of_time = segment.end - segment.begin;
     const bool evenly = alike_ && !exposure_.curve && segment.piece != whole_path;
     return fill(i, segment, evenly ? static_cast<double>(alike_->segments()) : 1.0 / length_of_time, kernel,

@@ -49,7 +49,8 @@ class PathCutter {
   /// The segments of point `i`, in order: a single one where no chord of the path, looked at in the middle
   /// and half-way to it, is farther from it than `tolerance_px` on the film and no rim farther than 0.75
   /// times that from where it is in the middle (rims.h); else halves of it, down to 256 between two corners
-  /// of the path. Nor is the pixel filter of the middle 0.6 times that from the one where it is used.
+  /// of the path. Nor is the pixel filter of the middle 0.6 times that from the one where it is used, nor, of
+  /// parabolas, the filtered disc from what it is seen from elsewhere.
   /// Looks that change may be 2⁻⁹ of themselves, or of 1, off their chord. Of parabolas it is what they are
   /// off by half-way to the middle that may be as much, and the chord's error there times the square of what
   /// part of the time a ray sees the disc for. Where axes are parabolas it is so with rims and filters, while
@@ -89,6 +90,7 @@ class PathCutter {
   [[nodiscard]] double seen_share(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] bool near_middle(const Seen& end, const Seen& middle, double part = 1.0) const;
   [[nodiscard]] bool same_filter(const Seen& end, const Seen& middle, double part) const;
+  [[nodiscard]] bool same_from_the_side(const Seen& end, const Seen& middle, double part) const;
   [[nodiscard]] FilteredDisc filtered(const Seen& seen, const FilteredDisc* towards) const;
   struct Axes;
   [[nodiscard]] bool keeps_axes(const Seen& first, const Seen& middle, const Seen& last) const;

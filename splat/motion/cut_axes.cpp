@@ -43,8 +43,27 @@ bool PathCutter::same_filter(const Seen& end, const Seen& middle, double part) c
                             true_radius) > tolerance_px);
 }
 
+/// What the filter makes of a disc depends on where it is seen from: from beside, one is narrower than the
+/// filter and weighs less. The middle's is seen where the disc is.
+bool PathCutter::same_from_the_side(const Seen& end, const Seen& middle, double part) const {
+  const double scale = visible_scale(end.center), filter_px = scene_.model.filter_radius_px;
+  if (shape_ == SegmentShape::chords || !(scale > 0.0) || filter_px == 0.0) return true;
+  const double tolerance_px = part * filters_per_path * tolerance_px_;
+  // Widths change by no more than this, and weights by no more than this over the filter's.
+  const Eigen::Vector2d aside = ray_of(end.center) - ray_of(middle.center);
+  const double most_px = scale * aside.norm() * std::hypot(end.axis_u.z(), end.axis_v.z());
+  if (!(most_px > tolerance_px * std::min(1.0, filter_px))) return true;
+  const FilteredDisc there = filtered(middle, nullptr);
+  const FilmDisc truth(filtered(end, &there), end.center, projection_);
+  const FilmDisc frozen(there, end.center, projection_);
+  // Weights of what is narrow are of little.
+  const double width_px = std::abs(truth.film.determinant()) / truth.film.norm();
+  return !((truth.film - frozen.film).norm() > tolerance_px ||
+           std::min(1.0, width_px) * std::abs(truth.weight - frozen.weight) > tolerance_px);
+}
+
 bool PathCutter::near_middle(const Seen& end, const Seen& middle, double part) const {
-  if (!same_filter(end, middle, part)) return false;
+  if (!same_filter(end, middle, part) || !same_from_the_side(end, middle, part)) return false;
   const double scale = visible_scale(middle.center);
   if (!(scale > 0.0)) return true;
   const Eigen::Vector2d ray = ray_of(middle.center);

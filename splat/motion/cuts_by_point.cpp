@@ -48,14 +48,40 @@ bool has_keys_within(const Scene& scene, const Object& object, const Exposure& e
   return within(object.transform.keys) || within(scene.camera.poses) || within(scene.camera.look_ats);
 }
 
+/// Whether any point comes or goes while the shutter is open: its part of a segment is not about the middle.
+bool comes_or_goes(const SurfelCloud& cloud, const Exposure& exposure) {
+  return std::any_of(cloud.lifetime.begin(), cloud.lifetime.end(), [&](const Lifetime& life) {
+    const auto within = [&](double frame) { return frame > exposure.open && frame < exposure.close; };
+    return within(life.born) || within(life.gone);
+  });
+}
+
+DiscAxes axes_at(const Instant& instant, const SurfelInstant& surfel) {
+  return {instant.to_camera_direction(surfel.axis_u), instant.to_camera_direction(surfel.axis_v)};
+}
+
+/// How far the rims of two poses of a disc are apart, seen at one place.
+double rims_apart_px(const DiscAxes& a, const DiscAxes& b, const Projection& projection,
+                     const Eigen::Vector3d& at) {
+  if (a.u == b.u && a.v == b.v) return 0.0;
+  const Eigen::Vector2d ray =
+      projection.orthographic ? Eigen::Vector2d::Zero() : Eigen::Vector2d(at.head<2>() / at.z());
+  return rims_apart_px(a, b, ray.x(), ray.y(), projection.focal_px / projection.divisor(at.z()));
+}
+
 /// Whether any point may come so much nearer, or go so much farther away, that the pixel filter of a
-/// segment's middle is not that of its ends.
-bool filter_changes(const Scene& scene, const Object& object, const Exposure& exposure) {
-  if (scene.model.filter_radius_px == 0.0 || scene.camera.orthographic) return false;
+/// segment's middle is not that of its ends, or the axes of any disc change from key to key.
+bool discs_change(const Scene& scene, const Object& object, const Exposure& exposure) {
+  const bool filter_may = scene.model.filter_radius_px > 0.0 && !scene.camera.orthographic;
+  const bool axes_may = object.cloud.keys.size() > 1;
+  if (!filter_may && !axes_may) return false;
   std::vector<double> frames = path_corners(object.cloud, exposure.open, exposure.close);
   frames.insert(frames.begin(), exposure.open);
   frames.push_back(exposure.close);
   const double least = filters_per_path * path_tolerance_px(scene) / scene.model.filter_radius_px;
+  const Projection projection = projection_of(scene.film, scene.camera.at(exposure.middle()));
+  // Half of it from the middle.
+  const double least_rim_px = 2.0 * rims_per_path * path_tolerance_px(scene);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const auto at = [&](double frame) {
       return instant_at(scene, object, exposure, exposure.share_at(frame));
@@ -63,8 +89,12 @@ bool filter_changes(const Scene& scene, const Object& object, const Exposure& ex
     const Instant first = at(frames[k - 1]), last = at(frames[k]);
     const SurfelsAt before(object.cloud, first.frame), after(object.cloud, last.frame);
     for (std::size_t i = 0; i < object.cloud.size(); ++i) {
-      const double a = first.to_camera(before[i].position).z(), b = last.to_camera(after[i].position).z();
-      if (std::max(a, b) > scene.camera.near && filter_may_differ(a, b, scene.camera.near, least))
+      const SurfelInstant from = before[i], to = after[i];
+      const Eigen::Vector3d a = first.to_camera(from.position), b = last.to_camera(to.position);
+      if (!(std::max(a.z(), b.z()) > scene.camera.near)) continue;
+      if (filter_may && filter_may_differ(a.z(), b.z(), scene.camera.near, least)) return true;
+      if (axes_may && a.z() + b.z() > 2.0 * scene.camera.near &&
+          rims_apart_px(axes_at(first, from), axes_at(last, to), projection, 0.5 * (a + b)) > least_rim_px)
         return true;
     }
   }
@@ -82,7 +112,7 @@ bool cuts_by_point(const Scene& scene, const Object& object, const Exposure& exp
           looks_change(object.cloud, exposure.open, exposure.close) ||
           object_turns(object.transform, exposure.open, exposure.close) ||
           camera_turns(scene, object, exposure) || has_keys_within(scene, object, exposure) ||
-          filter_changes(scene, object, exposure));
+          comes_or_goes(object.cloud, exposure) || discs_change(scene, object, exposure));
 }
 
 double path_tolerance_px(const Scene& scene) {
