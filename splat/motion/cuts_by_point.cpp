@@ -69,6 +69,14 @@ double rims_apart_px(const DiscAxes& a, const DiscAxes& b, const Projection& pro
   return rims_apart_px(a, b, ray.x(), ray.y(), projection.focal_px / projection.divisor(at.z()));
 }
 
+/// By how much a disc may become wider or narrower on the film on its way from `a` to `b`.
+double seen_from_aside_px(const DiscAxes& axes, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                          const Projection& projection, double near) {
+  if (!(std::min(a.z(), b.z()) > near)) return 0.0;
+  const Eigen::Vector2d aside = b.head<2>() / b.z() - a.head<2>() / a.z();
+  return projection.focal_px / std::min(a.z(), b.z()) * aside.norm() * std::hypot(axes.u.z(), axes.v.z());
+}
+
 /// Whether any point may come so much nearer, or go so much farther away, that the pixel filter of a
 /// segment's middle is not that of its ends, or the axes of any disc change from key to key.
 bool discs_change(const Scene& scene, const Object& object, const Exposure& exposure) {
@@ -80,6 +88,8 @@ bool discs_change(const Scene& scene, const Object& object, const Exposure& expo
   frames.push_back(exposure.close);
   const double least = filters_per_path * path_tolerance_px(scene) / scene.model.filter_radius_px;
   const Projection projection = projection_of(scene.film, scene.camera.at(exposure.middle()));
+  const double least_aside_px =
+      2.0 * filters_per_path * path_tolerance_px(scene) * std::min(1.0, scene.model.filter_radius_px);
   // Half of it from the middle.
   const double least_rim_px = 2.0 * rims_per_path * path_tolerance_px(scene);
   for (std::size_t k = 1; k < frames.size(); ++k) {
@@ -92,7 +102,10 @@ bool discs_change(const Scene& scene, const Object& object, const Exposure& expo
       const SurfelInstant from = before[i], to = after[i];
       const Eigen::Vector3d a = first.to_camera(from.position), b = last.to_camera(to.position);
       if (!(std::max(a.z(), b.z()) > scene.camera.near)) continue;
-      if (filter_may && filter_may_differ(a.z(), b.z(), scene.camera.near, least)) return true;
+      if (filter_may &&
+          (filter_may_differ(a.z(), b.z(), scene.camera.near, least) ||
+           seen_from_aside_px(axes_at(first, from), a, b, projection, scene.camera.near) > least_aside_px))
+        return true;
       if (axes_may && a.z() + b.z() > 2.0 * scene.camera.near &&
           rims_apart_px(axes_at(first, from), axes_at(last, to), projection, 0.5 * (a + b)) > least_rim_px)
         return true;
