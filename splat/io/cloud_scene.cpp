@@ -287,7 +287,7 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
   try {
     return scene.dump(2) + '\n';
   } catch (const Json::type_error&) {
-    throw Error{"", "", "its name, or that of a folder on the way to it, is not UTF-8, as scene files are"};
+    throw Error{path, "", "its name, or that of a folder on the way to it, is not UTF-8, as scene files are"};
   }
 }
 
