@@ -119,6 +119,31 @@ TEST_F(MeshFilesTest, OffColoursAndNormals) {
             (Names{"colours of 1 faces", "1 lines after the last face"}));
 }
 
+TEST_F(MeshFilesTest, LinesAfterTheLastPointOfAPcdAreTold) {
+  const Result<PointSet> set = read_points(
+      write("a.pcd",
+            "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n"
+            "0 0 0\n1 0 0\n\n2 0 0\n"));
+  ASSERT_TRUE(set.ok()) << set.error().message();
+  EXPECT_EQ(set->report.unread, Names{"2 lines after the last point"});
+}
+
+TEST_F(MeshFilesTest, WhatStandsAfterTheLastElementOfAPlyIsTold) {
+  const auto unread = [&](const std::string& format, const std::string& body) {
+    const Result<PointSet> set = read_points(
+        write("a.ply", "ply\nformat " + format +
+                           " 1.0\nelement vertex 2\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+                           "end_header\n" +
+                           body));
+    EXPECT_TRUE(set.ok()) << set.error().message();
+    return set.ok() ? set->report.unread : Names{};
+  };
+  EXPECT_EQ(unread("ascii", "0 0 0\n1 0 0 \n\n"), Names{});
+  EXPECT_EQ(unread("ascii", "0 0 0\n1 0 0\n2 0 0"), Names{"6 bytes after the last element"});
+  EXPECT_EQ(unread("binary_little_endian", "abcdef"), Names{});
+  EXPECT_EQ(unread("binary_little_endian", "abcdefghi"), Names{"3 bytes after the last element"});
+}
+
 TEST_F(MeshFilesTest, ALooseVertexFacesAsItsNeighboursDo) {
   // A grid that faces −x or +x, and a vertex beside it: a plane fit has no side.
   for (const double side : {-1.0, 1.0}) {

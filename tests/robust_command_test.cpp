@@ -186,6 +186,38 @@ TEST_F(RobustCommand, ADifferenceDoesNotReplaceWhatItIsOf) {
   EXPECT_EQ(content_of(folder_ / "b.exr"), b);
 }
 
+TEST_F(RobustCommand, APictureDoesNotReplaceWhatItIsDrawnFrom) {
+  put(folder_ / "a.obj", "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nusemtl wood\nf 1/1 2/1 3/1\n");
+  put(folder_ / "a.mtl", "newmtl wood\nmap_Kd wood.png\n");
+  const std::string first = "render a.obj --draw triangles --size 16x16 -o wall.exr --preview wood.png";
+  Image white;
+  white.width = white.height = white.film_width = white.film_height = 1;
+  white.rgba = {1, 1, 1, 1};
+  ASSERT_TRUE(write_png(folder_ / "wood.png", white));
+  ASSERT_TRUE(write_exr(folder_ / "cloth.exr", white));
+  const std::string wood = content_of(folder_ / "wood.png"), cloth = content_of(folder_ / "cloth.exr");
+  for (const char* existing : {" --overwrite", " --skip-existing"}) {
+    const Outcome of_material = swept(first + existing);
+    EXPECT_EQ(of_material.exit_code, 1);
+    EXPECT_NE(of_material.err.find("wood.png: --preview: is read for the picture"), std::string::npos)
+        << of_material.err;
+    EXPECT_EQ(content_of(folder_ / "wood.png"), wood);
+  }
+  const Outcome of_option =
+      swept("render a.obj --draw triangles --texture cloth.exr --size 16x16 -o ./cloth.exr --overwrite");
+  EXPECT_EQ(of_option.exit_code, 1);
+  EXPECT_NE(of_option.err.find("--output: is read for the picture"), std::string::npos) << of_option.err;
+  EXPECT_EQ(content_of(folder_ / "cloth.exr"), cloth);
+}
+
+TEST_F(RobustCommand, AFileWhoseNameIsNotUtf8IsRefusedInWords) {
+  put(folder_ / "a\xff.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n");
+  const Outcome outcome =
+      run_command(SWEPT_COMMAND, {"render", folder_ / "a\xff.xyz", "-o", folder_ / "a.exr"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find(".xyz: its name"), std::string::npos) << outcome.err;
+}
+
 TEST_F(RobustCommand, FramesThatAreLostInRoundingAreErrors) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   put(folder_ / "w.1.obj", triangle);

@@ -1,6 +1,7 @@
 #include "tools/compare_command.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -125,6 +126,11 @@ std::string check_difference_name(const std::string& name) {
   return extension == ".png" || extension == ".exr" ? "" : "must end in .png or .exr: " + name;
 }
 
+/// Bounds alone let nan through.
+std::string check_is_number(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? "must be a number: " + text : "";
+}
+
 }  // namespace
 
 void add_compare_command(CLI::App& app, int& exit_code) {
@@ -149,8 +155,10 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       ->check(check_difference_name);
   command->add_option("--scale", arguments->scale, "Multiply the written difference by this")
       ->check(CLI::PositiveNumber)
+      ->check(check_is_number)
       ->capture_default_str();
-  command->add_option("--min-psnr", arguments->min_psnr_db, "Exit with 1 if the PSNR is below this, in dB");
+  command->add_option("--min-psnr", arguments->min_psnr_db, "Exit with 1 if the PSNR is below this, in dB")
+      ->check(check_is_number);
   command->add_flag("--crop-to-overlap", arguments->options.crop_to_overlap,
                     "Compare where the two windows overlap; by default they must agree");
   command->callback([arguments, &exit_code] {

@@ -37,6 +37,9 @@ int init(const InitArguments& arguments) {
     throw CLI::ValidationError("--output", "must end in .json: " + arguments.output);
   if (!is_point_file_name(arguments.points) && !is_splat_file_name(arguments.points))
     throw CLI::ValidationError("points", "is no point file by its name: " + arguments.points);
+  std::error_code code;
+  if (std::filesystem::equivalent(output, arguments.points, code))
+    return fail({arguments.output, "--output", "is what the points are read from"});
   const Existing existing = arguments.overwrite ? Existing::overwrite : Existing::refuse;
   if (const Status status = check_output_file(arguments.output, existing); !status)
     return fail(status.error());

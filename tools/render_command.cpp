@@ -22,6 +22,7 @@
 #include "splat/io/atomic_file.h"
 #include "splat/io/cloud_scene.h"
 #include "splat/io/scene_file.h"
+#include "splat/io/scene_inputs.h"
 #include "splat/io/sequence.h"
 #include "tools/console.h"
 #include "tools/frame_memory.h"
@@ -111,12 +112,34 @@ void check_arguments(const RenderArguments& arguments) {
   check_extension("--stats-json", arguments.stats, ".json");
 }
 
-/// The statistics must not replace the scene they are about.
-Status check_stats_path(const RenderArguments& arguments, Existing existing) {
-  std::error_code code;
-  if (std::filesystem::equivalent(arguments.stats, arguments.scene, code))
-    return Error{arguments.stats, "--stats-json", "is the scene file"};
-  return check_output_file(arguments.stats, existing);
+/// No output may replace what is read for the picture, such as a texture.
+Status check_inputs_stay(const SceneFile& file, const std::vector<FrameOutput>& outputs,
+                         const RenderArguments& arguments) {
+  std::vector<std::pair<const char*, std::string>> replaced;
+  const auto add = [&](const char* option, const std::string& path) {
+    std::error_code code;
+    if (!path.empty() && std::filesystem::exists(path, code)) replaced.emplace_back(option, path);
+  };
+  for (const FrameOutput& output : outputs) {
+    if (output.skip) continue;
+    add("--output", output.image);
+    add("--preview", output.preview);
+    add("--deep", output.deep);
+  }
+  add("--stats-json", arguments.stats);
+  if (replaced.empty()) return Done{};
+  Result<std::vector<std::string>> inputs = io::files_read(file, outputs.front().frame);
+  if (!inputs) return inputs.error();
+  inputs->push_back(arguments.scene);
+  inputs->push_back(arguments.overrides->camera_file);
+  for (const auto& [option, path] : replaced)
+    for (const std::string& input : *inputs) {
+      std::error_code code;
+      if (std::filesystem::equivalent(path, input, code))
+        return Error{path, option,
+                     input == arguments.scene ? "is the scene file" : "is read for the picture"};
+    }
+  return Done{};
 }
 
 /// What besides the scene tells this picture from others.
@@ -215,8 +238,11 @@ int render(const RenderArguments& arguments) {
   };
   if (const Status status = check_outputs(*outputs, existing, origin_of); !status)
     return fail(status.error());
+  if (const Status status = check_inputs_stay(*file, *outputs, arguments); !status)
+    return fail(status.error());
   if (!arguments.stats.empty())
-    if (const Status status = check_stats_path(arguments, existing); !status) return fail(status.error());
+    if (const Status status = check_output_file(arguments.stats, existing); !status)
+      return fail(status.error());
   return arguments.dry_run ? dry_run(*file, *outputs, arguments)
                            : render_all(*file, *outputs, *method, arguments);
 }
@@ -290,6 +316,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
           "Memory that the process may take, as 4G or 512M; a frame that would take more is an error [all "
           "there is]")
       ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            // Read as an unsigned number, it would be nearly all there is. Of transforms the last is first.
+            return text.find('-') == std::string::npos ? std::string() : "must not be negative: " + text;
+          },
+          ""))
       ->type_name("SIZE");
   command->add_option("--stats-json", arguments->stats, "Write counts and times of every frame")
       ->type_name("FILE.json");

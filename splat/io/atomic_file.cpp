@@ -171,6 +171,9 @@ bool AtomicFile::try_name(const std::string& name) {
 Result<AtomicFile> AtomicFile::create(const std::string& path) {
   return io::guarded(path, [&]() -> Result<AtomicFile> {
     if (path.empty()) return Error{"", "path", "an output file needs a name"};
+    if (path.find('\0') != std::string::npos)
+      return Error{path, "path", "has a null character, at which the system would end it",
+                   ErrorKind::argument};
     Result<std::string> target = target_of(path);
     if (!target) return target.error();
     AtomicFile file;

@@ -284,7 +284,11 @@ std::string text_of(const Sample& sample, const std::string& path, const std::st
          Json::array(
              {{{"eye", vector(framing.eye)}, {"target", vector(framing.target)}, {"up", vector(up)}}})}}},
       {"objects", Json::array({object})}};
-  return scene.dump(2) + '\n';
+  try {
+    return scene.dump(2) + '\n';
+  } catch (const Json::type_error&) {
+    throw Error{path, "", "its name, or that of a folder on the way to it, is not UTF-8, as scene files are"};
+  }
 }
 
 Result<CloudScene> make_scene(const std::string& path, const std::string& folder,

@@ -71,4 +71,9 @@ bool PlyNumbers::can_hold(std::uint64_t count, std::uint64_t least_bytes) const 
   return least_bytes == 0 || count <= (body_.size() + 1) / least_bytes;
 }
 
+std::vector<std::string> PlyNumbers::unread() const {
+  if (ascii_ ? body_.find_first_not_of(" \t\r\n") == std::string_view::npos : body_.empty()) return {};
+  return {std::to_string(body_.size()) + " bytes after the last element"};
+}
+
 }  // namespace swept

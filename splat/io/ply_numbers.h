@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "splat/io/ply_header.h"
 
@@ -30,6 +31,9 @@ class PlyNumbers {
   /// Bytes that a number of this type takes at the least.
   [[nodiscard]] std::size_t least_bytes(PlyType type) const { return ascii_ ? 2 : type.bytes; }
   [[nodiscard]] std::size_t bytes_left() const { return body_.size(); }
+  /// What stands after the last element once all are read, for reports; blanks at the end of ASCII are
+  /// nothing.
+  [[nodiscard]] std::vector<std::string> unread() const;
 
  private:
   std::string_view body_, token_;

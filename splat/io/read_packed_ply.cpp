@@ -51,6 +51,7 @@ class PackedPlyReader {
     for (std::size_t i = 0; i < packed_.size(); ++i)
       if (Status s = builder.add(splat(i)); !s) return s.error();
     report(builder.loaded.report);
+    for (const std::string& rest : numbers_.unread()) builder.loaded.report.unread.push_back(rest);
     return builder.finish();
   }
 

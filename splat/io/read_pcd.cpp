@@ -338,6 +338,12 @@ Result<PointSet> read_pcd(const std::string& path, std::string_view bytes, const
   for (const Field& field : header->fields) {
     if (set && field.name == "rgba" && is_packed(field)) set->report.unread.push_back("alpha of rgba");
   }
+  if (set && header->encoding == "ascii") {
+    std::uint64_t count = 0;
+    for (LineScanner lines(body); lines.next_line();) ++count;
+    if (count > header->points)
+      set->report.unread.push_back(std::to_string(count - header->points) + " lines after the last point");
+  }
   if (set && header->posed) set->notes.push_back("the file's VIEWPOINT is not applied");
   return set;
 }

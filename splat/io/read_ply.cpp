@@ -67,6 +67,7 @@ class PlyReader {
                                            std::move(face_uv_));
     if (!set) return set;
     report_elements(set->report);
+    for (const std::string& rest : stream_.unread()) set->report.unread.push_back(rest);
     report_texture(of_faces, set->report);
     return set;
   }

@@ -184,6 +184,7 @@ class SplatPlyReader {
       if (!read) return read.error();
     }
     report(builder->loaded);
+    for (const std::string& rest : numbers_.unread()) builder->loaded.report.unread.push_back(rest);
     return builder->finish();
   }
 

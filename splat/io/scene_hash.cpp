@@ -8,9 +8,8 @@
 
 #include "splat/io/content_hash.h"
 #include "splat/io/guarded.h"
-#include "splat/io/obj_materials.h"
-#include "splat/io/read_splats.h"
 #include "splat/io/scene_clouds.h"
+#include "splat/io/scene_inputs.h"
 #include "splat/io/source_files.h"
 
 namespace swept {
@@ -77,18 +76,11 @@ Result<std::string> SceneFile::hash_of(double frame, const std::string& canonica
       if (content.hash.empty() || content.changed != changed) {
         Result<std::string> digits = io::hash_file(key.path);
         if (!digits) return digits.error();
-        if (io::is_sog_meta(key.path))
-          for (const std::string& image : io::images_beside(key.path)) {
-            const Result<std::string> more = io::hash_file(image);
-            if (!more) return more.error();
-            *digits += *more;
-          }
-        if (materials)
-          for (const std::string& beside : io::files_of_obj_materials(key.path)) {
-            const Result<std::string> more = io::hash_file(beside);
-            if (!more) return more.error();
-            *digits += *more;
-          }
+        for (const std::string& beside : io::files_beside(source, key.path)) {
+          const Result<std::string> more = io::hash_file(beside);
+          if (!more) return more.error();
+          *digits += *more;
+        }
         content = {changed, std::move(*digits)};
       }
       hash.add_part(shortest_text(key.frame));

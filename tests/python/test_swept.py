@@ -106,6 +106,9 @@ class Arrays(unittest.TestCase):
         given["colors"] = given["colors"].astype(np.uint16) * 257
         again, _ = swept.render(**given, **SMALL)
         np.testing.assert_allclose(again, image, atol=1e-6)
+        given["colors"] = given["colors"].astype(">u2")
+        again, _ = swept.render(**given, **SMALL)
+        np.testing.assert_allclose(again, image, atol=1e-6)
         del given["colors"], given["opacities"]
         looks = [swept.Look(0, np.full((2000, 3), 128, dtype=np.uint8))]
         image, _ = swept.render(**given, looks=looks, **SMALL)
@@ -273,6 +276,34 @@ class Errors(unittest.TestCase):
                 swept.render(positions=wrong, radii=0.1)
         with self.assertRaises(swept.ArgumentError):
             swept.render()
+
+    def test_arrays_that_are_no_numbers_are_named(self):
+        given = arrays()
+        wrong_arrays = (np.full((2000, 3), 1j), np.zeros((2000, 3), "M8[s]"), [["1", "2", "3"]] * 2000, np.zeros((0, 3)))
+        for name in ("velocities", "colors", "normals"):
+            for wrong in wrong_arrays:
+                with self.assertRaisesRegex(ValueError, name):
+                    swept.render(positions=given["positions"], **{name: wrong}, radii=0.1, **SMALL)
+        with self.assertRaisesRegex(ValueError, "radii"):
+            swept.render(positions=given["positions"], radii=[], **SMALL)
+        with self.assertRaisesRegex(ValueError, "depth"):
+            swept.write_exr("never.exr", np.zeros((2, 2, 4)), "text")
+        points = np.zeros((1, 3))
+        with self.assertRaisesRegex(ValueError, "harmonics"):
+            swept.Scene().add_splats(points, points, [[1, 0, 0, 0]], [1], "text")
+
+    def test_options_of_the_wrong_type_are_named(self):
+        for name, wrong in (("samples", 2.5), ("samples", 1 << 40), ("max_error_db", "60dB"), ("max_seconds", "5"),
+                            ("error_channel", "yes"), ("fps", 0), ("fps", float("nan")), ("fps", float("inf")),
+                            ("camera", 3)):
+            with self.assertRaisesRegex(ValueError, name):
+                swept.render(**arrays(), **{**SMALL, name: wrong})
+
+    def test_a_name_with_a_null_character_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(swept.ArgumentError, "null"):
+                swept.write_exr(os.path.join(folder, "a\0.exr"), np.zeros((2, 2, 4)))
+            self.assertEqual(os.listdir(folder), [])
 
     def test_what_a_callback_raises_comes_out(self):
         def broken(share):

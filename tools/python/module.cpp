@@ -1,6 +1,7 @@
 // The module swept._swept: what the package's Python is built on.
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,15 @@ namespace {
 
 template <class T>
 T option(const py::dict& options, const char* name, T otherwise) {
-  return options.contains(name) && !options[name].is_none() ? py::cast<T>(options[name]) : otherwise;
+  if (!options.contains(name) || options[name].is_none()) return otherwise;
+  try {
+    return py::cast<T>(options[name]);
+  } catch (const py::cast_error&) {
+    const char* const kind = std::is_same_v<T, bool>  ? "true or false"
+                             : std::is_same_v<T, int> ? "a whole number below 2^31"
+                                                      : "a number";
+    throw py::value_error(std::string(name) + " must be " + kind);
+  }
 }
 
 Result<Rendered> render_gpu(const Scene& scene, int subframes, const RenderControl& control) {
@@ -118,9 +127,9 @@ Image image_of(const py::array_t<float, py::array::c_style | py::array::forcecas
   image.width = image.film_width = static_cast<int>(rgba.shape(1));
   image.rgba.assign(rgba.data(), rgba.data() + rgba.size());
   if (!depth.is_none()) {
-    const auto values = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(depth);
-    if (!values) throw py::error_already_set();
-    image.depth.assign(values.data(), values.data() + values.size());
+    Keep keep;
+    const Strided<float> values = packed_numbers_of(depth, "depth", keep);
+    image.depth.assign(values.data, values.data + values.count);
   }
   return image;
 }

@@ -33,7 +33,8 @@ extern template Strided<Eigen::Vector4f> rows_of<Eigen::Vector4f, float>(const p
 [[nodiscard]] Strided<float> numbers_of(const pybind11::object& array, const std::string& name, Keep& keep);
 
 /// All numbers of an array of any shape, one after the other.
-[[nodiscard]] Strided<float> packed_numbers_of(const pybind11::object& array, Keep& keep);
+[[nodiscard]] Strided<float> packed_numbers_of(const pybind11::object& array, const std::string& name,
+                                               Keep& keep);
 
 /// An array that owns `values`, which are not copied.
 [[nodiscard]] pybind11::array array_from(std::vector<float> values, std::vector<pybind11::ssize_t> shape);

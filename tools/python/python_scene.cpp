@@ -164,7 +164,7 @@ void PythonScene::add_splats(const py::dict& from) {
   arrays.scale = rows_of<Eigen::Vector3f, float>(given(from, "scales"), "scales", keep);
   arrays.rotation_wxyz = rows_of<Eigen::Vector4f, float>(given(from, "rotations"), "rotations", keep);
   arrays.opacity = numbers_of(given(from, "opacities"), "opacities", keep);
-  arrays.harmonics = packed_numbers_of(given(from, "harmonics"), keep);
+  arrays.harmonics = packed_numbers_of(given(from, "harmonics"), "harmonics", keep);
   arrays.degree = py::cast<int>(from["degree"]);
   arrays.filter = py::cast<bool>(from["antialiased"]) ? SplatFilter::antialiased : SplatFilter::dilated;
   arrays.colors = py::cast<bool>(from["linear"]) ? SplatColors::linear : SplatColors::srgb;

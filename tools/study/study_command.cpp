@@ -18,6 +18,8 @@
 #include <CLI/Formatter.hpp>
 
 #include "splat/io/atomic_file.h"
+#include "splat/io/point_file.h"
+#include "splat/io/splat_file.h"
 #include "tools/console.h"
 #include "tools/progress.h"
 #include "tools/study/added_images.h"
@@ -238,6 +240,9 @@ int study(StudyArguments& arguments) {
     log("swept study: {}\n", error.message());
     return 1;
   };
+  for (const std::string& scene : arguments.options.scenes)
+    if (is_point_file_name(scene) || is_splat_file_name(scene))
+      return fail({scene, "", "a study takes scene files; swept init makes one of points"});
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (code) return fail({folder, "--output", code.message()});

@@ -79,6 +79,8 @@ class Scene:
     def __init__(self, size=(1024, 576), shutter=(-0.25, 0.25), frame=0.0, fps=24.0, background=(0, 0, 0, 0),
                  camera=None, fields=None, _loaded=None):
         self._fps = float(fps)
+        if not 0.0 < self._fps < float("inf"):
+            raise ArgumentError(f"fps must be above 0 and finite, not {fps}", field="fps")
         self._placed = _loaded is not None
         self._scene = _loaded if _loaded is not None else _swept.Scene()
         self._frame = self._scene.frame() if _loaded is not None else float(frame)
@@ -96,6 +98,8 @@ class Scene:
     def look(self, camera):
         """Sets the camera; a Camera or a dictionary of its members."""
         camera = Camera(**camera) if isinstance(camera, dict) else camera
+        if not isinstance(camera, Camera):
+            raise ArgumentError("camera must be a Camera, or a dictionary of its members", field="camera")
         if camera.matrix is not None:
             self._scene.look_along(_np.asarray(camera.matrix, dtype=_np.float64), camera.fov, camera.height,
                                    camera.opencv)
@@ -236,7 +240,7 @@ def _numbers(value):
 
 def _linear(colors):
     kind = getattr(colors, "dtype", None)
-    if kind not in (_np.uint8, _np.uint16):
+    if getattr(kind, "kind", "") != "u" or kind.itemsize > 2:  # in either order of bytes
         return colors
     encoded = colors / _np.iinfo(kind).max
     return _np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(_np.float32)
