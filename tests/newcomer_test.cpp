@@ -89,6 +89,20 @@ TEST_F(Newcomer, FramesBeyondASequenceAreTold) {
   EXPECT_EQ(told("1-3").find("show its points"), std::string::npos);
 }
 
+TEST_F(Newcomer, ColoursThatHalfFloatsDoNotHoldAreTold) {
+  const auto told = [&](const std::string& red, const std::string& option) {
+    std::vector<std::string> arguments = {"render",      "anim.0001.ply", "-o",          "half.exr",
+                                          "--overwrite", "--background",  red + ",0,0,1"};
+    if (!option.empty()) arguments.push_back(option);
+    const Outcome outcome = swept(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err.find("has colours above 65504") != std::string::npos;
+  };
+  EXPECT_TRUE(told("70000", "--half"));
+  EXPECT_FALSE(told("65504", "--half"));
+  EXPECT_FALSE(told("70000", ""));
+}
+
 TEST_F(Newcomer, APictureOfNothingIsTold) {
   const std::string scene =
       R"({"swept": 1, "film": {"width": 32, "height": 18}, "camera": {"fov": {"axis": "vertical",

@@ -1,6 +1,7 @@
 #include "tools/render_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <future>
 #include <limits>
@@ -61,6 +62,13 @@ bool holds_something(const Scene& scene) {
 bool shows_nothing(const Image& image) {
   return std::all_of(image.depth.begin(), image.depth.end(),
                      [](float depth) { return depth == std::numeric_limits<float>::infinity(); });
+}
+
+/// Whether a half float would be infinite.
+bool exceeds_halves(const Image& image) {
+  constexpr float rounded_up = 65520.0f;
+  return std::any_of(image.rgba.begin(), image.rgba.end(),
+                     [](float value) { return std::abs(value) >= rounded_up; });
 }
 
 class FrameLoop {
@@ -161,6 +169,11 @@ class FrameLoop {
           "note: frame {} shows nothing: all is behind the camera, beside the film, or too small or faint",
           output.frame));
     }
+    if (run_.pixels == ExrPixels::float16 && exceeds_halves(rendered->image) && !told_of_halves_) {
+      told_of_halves_ = true;
+      progress_.note(fmt::format("note: frame {} has colours above 65504, which --half writes as infinite",
+                                 output.frame));
+    }
     for (const std::string& note : statistics.notes)
       if (told_.insert(note).second) progress_.note("note: " + note);
     progress_.end_frame(output.frame,
@@ -182,7 +195,7 @@ class FrameLoop {
   const FrameRemarks& remarks_;
   std::deque<PendingFrame> pending_;
   std::set<std::string> told_;
-  bool told_of_nothing_ = false;
+  bool told_of_nothing_ = false, told_of_halves_ = false;
   std::future<void> ahead_;  ///< last, so that it ends before anything else goes
 };
 
