@@ -46,6 +46,21 @@ RayCoordinates<double> at(const TubeBlock& block, std::size_t i) {
   return {block.u[i], block.v[i], block.z[i], block.du[i], block.dv[i], block.dz[i]};
 }
 
+/// 1 if ray `i` met the kernel as it is expected to, with this fragment of a weight of 0.75; null: a miss.
+std::size_t expect_the_bits(const TubeMath& math, const TubeBlock& block, const TubeHits& hits, std::size_t i,
+                            double delta, const RayFragment<double>* expected) {
+  const bool met = (hits.met >> i & 1) != 0;
+  EXPECT_EQ(met, expected != nullptr) << math.name << ", ray " << i;
+  if (!met || expected == nullptr) return 0;
+  const double peak = 0.75 * std::exp(-delta * block.nearest_squared[i]);
+  EXPECT_TRUE(same(block.t_begin[i], expected->t_begin) && same(block.t_end[i], expected->t_end) &&
+              same(peak, expected->peak) && same(block.rate[i], expected->rate) &&
+              same(block.y_begin[i], expected->y_begin) && same(block.z_begin[i], expected->z_begin) &&
+              same(block.dz[i], expected->z_rate))
+      << math.name << ", ray " << i;
+  return 1;
+}
+
 /// How many of the first `count` met the kernel; and none, or another bit, is a failure.
 std::size_t expect_the_tubes_bits(const TubeMath& math, TubeBlock& block, std::size_t count,
                                   const TubeSegment& segment) {
@@ -65,14 +80,7 @@ std::size_t expect_the_tubes_bits(const TubeMath& math, TubeBlock& block, std::s
     RayFragment<double> f;
     const bool expected =
         intersect_tube<double>(ray, segment.begin, segment.end, segment.near, segment.delta, 0.75, f);
-    EXPECT_EQ((hits.met >> i & 1) != 0, expected) << math.name;
-    if (!expected || (hits.met >> i & 1) == 0) continue;
-    ++met;
-    const double peak = 0.75 * std::exp(-segment.delta * block.nearest_squared[i]);
-    EXPECT_TRUE(same(block.t_begin[i], f.t_begin) && same(block.t_end[i], f.t_end) && same(peak, f.peak) &&
-                same(block.rate[i], f.rate) && same(block.y_begin[i], f.y_begin) &&
-                same(block.z_begin[i], f.z_begin) && same(block.dz[i], f.z_rate))
-        << math.name << ", ray " << i << " of " << count;
+    met += expect_the_bits(math, block, hits, i, segment.delta, expected ? &f : nullptr);
   }
   return met;
 }
@@ -134,14 +142,7 @@ std::size_t expect_the_bent_tubes_bits(const TubeMath& math, TubeBlock& block, c
     const bool expected =
         intersect_bent_tube<double>(at(given, i), {bends.u[i], bends.v[i], bends.z[i]}, segment.begin,
                                     segment.end, segment.near, segment.delta, 0.75, f);
-    EXPECT_EQ((hits.met >> i & 1) != 0, expected) << math.name << ", ray " << i << " of " << count;
-    if (!expected || (hits.met >> i & 1) == 0) continue;
-    ++met;
-    const double peak = 0.75 * std::exp(-segment.delta * block.nearest_squared[i]);
-    EXPECT_TRUE(same(block.t_begin[i], f.t_begin) && same(block.t_end[i], f.t_end) && same(peak, f.peak) &&
-                same(block.rate[i], f.rate) && same(block.y_begin[i], f.y_begin) &&
-                same(block.z_begin[i], f.z_begin) && same(block.dz[i], f.z_rate))
-        << math.name << ", ray " << i << " of " << count;
+    met += expect_the_bits(math, block, hits, i, segment.delta, expected ? &f : nullptr);
   }
   return met;
 }

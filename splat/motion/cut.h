@@ -94,6 +94,7 @@ class PathCutter {
   [[nodiscard]] FilteredDisc filtered(const Seen& seen, const FilteredDisc* towards) const;
   struct Axes;
   [[nodiscard]] bool keeps_axes(const Seen& first, const Seen& middle, const Seen& last) const;
+  [[nodiscard]] bool may_turn(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] bool turns(const Seen& first, const Seen& middle, const Seen& last) const;
   [[nodiscard]] PathSegment segment_of(const std::pair<double, double>& times, const Seen& first,
                                        const Seen& middle, const Seen& last, std::uint32_t piece) const;

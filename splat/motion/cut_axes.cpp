@@ -94,19 +94,20 @@ bool PathCutter::keeps_axes(const Seen& first, const Seen& middle, const Seen& l
   return near_middle(first, middle, part) && near_middle(last, middle, part);
 }
 
-/// Whether a segment's axes change: not where they hardly do, nor where another side of the disc comes to be
-/// seen.
+/// Whether a segment's axes may change: not where another side of the disc comes to be seen.
+bool PathCutter::may_turn(const Seen& first, const Seen& middle, const Seen& last) const {
+  return shape_ == SegmentShape::parabolas && shows_one_side(first, middle, last);
+}
+
+/// Whether they do: not where they hardly would.
 bool PathCutter::turns(const Seen& first, const Seen& middle, const Seen& last) const {
-  return shape_ == SegmentShape::parabolas && shows_one_side(first, middle, last) &&
-         !keeps_axes(first, middle, last);
+  return may_turn(first, middle, last) && !keeps_axes(first, middle, last);
 }
 
 PathCutter::Axes PathCutter::axes_of(const Seen& first, const Seen& middle, const Seen& last) const {
   Axes axes;
-  if (!turns(first, middle, last)) {
-    axes.follow = keeps_axes(first, middle, last);
-    return axes;
-  }
+  axes.follow = keeps_axes(first, middle, last);
+  if (axes.follow || !may_turn(first, middle, last)) return axes;
   const FilteredDisc& there = axes.middle = filtered(middle, nullptr);
   const FilteredDisc from = filtered(first, &there), to = filtered(last, &there);
   axes.turn.emplace(FilmDisc(from, first.center, projection_), FilmDisc(there, middle.center, projection_),
