@@ -154,8 +154,9 @@ TEST_F(UnusedOptions, EveryOptionIsInTheTableOrAlwaysTells) {
       // What is in the header, or what the frame is.
       "--size", "--crop", "--overscan", "--fps", "--shutter", "--background",
       // What a method is asked to reach, which device it takes, and what it refuses where it means nothing.
-      "--normalisation", "--place-intervals", "--back-faces", "--max-error", "--max-cell-error", "--max-seconds", "--samples",
-      "--traversal", "--subframes", "--gpu", "--lookup-tables", "--clamp-motion"};
+      "--normalisation", "--place-intervals", "--back-faces", "--max-error", "--max-cell-error",
+      "--max-seconds", "--samples", "--traversal", "--subframes", "--gpu", "--lookup-tables",
+      "--clamp-motion"};
   std::set<std::string_view> known = always;
   for (const std::string_view option : options_with_needs()) {
     EXPECT_FALSE(always.contains(option)) << option;
