@@ -177,9 +177,7 @@ const std::vector<Effect>& effects() {
        [](Scene& s) {
          s.camera.look_ats[0].lens.shift = {0.2, -0.1};
          second_camera(s).lens.shift = {-0.1, 0.15};
-         s.motion.tolerance_px = 0.03;  // unasked 68.8 dB
-       },
-       512},
+       }},
       {"TwoFocalLengths",
        [](Scene& s) {
          s.camera.look_ats[0].lens.stretch_x = 1.3;

@@ -15,6 +15,9 @@ constexpr double least_turn = 0.25;
 /// What rims may be off by where axes are parabolas, of the tolerance: less, for all discs that come nearer
 /// err to one side at one time.
 constexpr double turn_part = 0.05;
+/// Where a ray through the centre may see the disc there, as a part of the tolerance: this is how far a disc
+/// that passes every other test may still be from its path, for all of its segment.
+constexpr double ray_part = 0.1;
 /// Of a disc's weight in the middle: by how much it may change while a ray sees it, and be off a parabola.
 constexpr double most_weight_change = 0.5, most_weight_off = 0.02;
 
@@ -131,8 +134,8 @@ bool PathCutter::near_axes(const Axes& axes, const Seen& middle, const Seen& tru
   // A ray through the centre there is far from the disc at the ends, where a disc that turns looks otherwise.
   const Eigen::Vector3d off = axes.along(
       projection_.orthographic ? Eigen::Vector2d(truth.center.head<2>()) : ray_of(truth.center), share);
-  return (disc.film * off.head<2>()).norm() <= bent_part * tolerance_px_ &&
-         visible_scale(truth.center) * std::abs(off.z() - truth.center.z()) <= bent_part * tolerance_px_;
+  return (disc.film * off.head<2>()).norm() <= ray_part * tolerance_px_ &&
+         visible_scale(truth.center) * std::abs(off.z() - truth.center.z()) <= ray_part * tolerance_px_;
 }
 
 }  // namespace swept
