@@ -1,6 +1,7 @@
 #include "abuffer/tile_renderer.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "splat/stopwatch.h"
 
@@ -11,7 +12,8 @@ TileRenderer::TileRenderer(const TileWork& work, const FilmSink& film)
       film_(film),
       pixel_(work.model, work.simd ? interval_math_builds().back() : interval_math_builds().front(),
              work.stop),
-      still_by_interval_(work.model_by_interval) {
+      still_by_interval_(work.model_by_interval),
+      copies_standing_(work.standing != nullptr && !work.model.per_pixel() && !film.wants_depths()) {
   if (work.discs != nullptr) discs_.emplace(*work.discs, work.simd);
   if (work.meshes != nullptr) meshes_.emplace(*work.meshes);
 }
@@ -25,9 +27,27 @@ SweepCounts TileRenderer::counts() const {
 }
 
 void TileRenderer::render(std::size_t tile, const Window& window) {
+  if (copies_standing_) {
+    const Window moved = select_what_moves(tile, window);
+    if (!moved.empty()) render_part(moved, true);
+    return;
+  }
   if (discs_) discs_->select(tile);
   if (meshes_) meshes_->select(tile);
   render_part(window, true);
+}
+
+/// The part of the window that is left to be rendered. Nothing is generated for the rest.
+Window TileRenderer::select_what_moves(std::size_t tile, const Window& window) {
+  Window moved{window.x, window.y, 0, 0};
+  if (discs_->film().bins.moves(tile)) {
+    discs_->select(tile);
+    moved = discs_->keep_what_moves(window);
+  }
+  for (int y = window.y; y < window.y + window.height; ++y)
+    for (int x = window.x; x < window.x + window.width; ++x)
+      if (!moved.contains(x, y)) copy_standing(x, y);
+  return moved;
 }
 
 bool TileRenderer::gather(const Window& window) {
@@ -89,15 +109,20 @@ void TileRenderer::resolve_pixel(const Window& window, int x, int y, std::size_t
   } else if (!indices.empty() && discs_->moves(local)) {
     ++counters_.swept_pixels;
     pixel_.add(discs(), pixel, counters_.sweep);
+  } else if (copies_standing_) {
+    return copy_standing(x, y);
   } else if (!indices.empty()) {
     ++counters_.still_pixels;
-    if (work_.standing != nullptr) {
-      if (work_.model.per_pixel() || film_.wants_depths()) pixel_.add_still(discs(), pixel);
-      return store_standing(x, y, pixel, discs());
-    }
     pixel_.add_still(discs(), pixel);
+    if (work_.standing != nullptr) return store_standing(x, y, pixel, discs());
   }
   film_.store(x, y, pixel);
+}
+
+void TileRenderer::copy_standing(int x, int y) {
+  film_.replace(x, y, *work_.standing, true);
+  if (work_.standing->depth[film_.index_of(x, y)] < std::numeric_limits<float>::infinity())
+    ++counters_.still_pixels;
 }
 
 /// Alpha and depth do not depend on the normalisation, nor does the colour of a single surface.

@@ -38,8 +38,10 @@ class TileRenderer {
  private:
   void render_part(const Window& window, bool whole);
   [[nodiscard]] bool gather(const Window& window);
+  [[nodiscard]] Window select_what_moves(std::size_t tile, const Window& window);
   void resolve(const Window& window);
   void resolve_pixel(const Window& window, int x, int y, std::size_t local);
+  void copy_standing(int x, int y);
   void store_standing(int x, int y, const PixelSum& pixel, const DiscsOfPixel& discs);
 
   const TileWork& work_;
@@ -48,6 +50,7 @@ class TileRenderer {
   std::optional<MeshFragments> meshes_;
   ExactPixel pixel_;
   StillPixel still_by_interval_;
+  bool copies_standing_;  ///< what does not move is there as it is to be
   SweepCounts counters_;
 };
 

@@ -48,6 +48,8 @@ constexpr Case cases[] = {
     {"still", "closed", "nothing moves"},
     {"closed", "closed", "nothing moves, and the shutter is open for no time"},
     {"zero-velocities", "closed", "with velocities that are all zero"},
+    {"small-moves", "still", "nothing moves but a sphere of a hundredth of the points in front"},
+    {"large-moves", "still", "the same with a sphere of twice the radius and four times the points"},
     {"as-far", "straight", "that share moves straight, as far as the arcs are long"},
     {"spinning", "straight", "a share turns by one radian about itself"},
     {"mortal", "straight", "a share begins or ends half-way"},
@@ -62,7 +64,8 @@ Result<Scene> make(const std::string& name, std::size_t points, double share) {
   if (!cloud) return cloud.error();
   object.cloud = *std::move(cloud);
   const Eigen::Vector3f way(static_cast<float>(way_px / engine_px_per_unit), 0.0f, 0.0f);
-  const bool still = name == "still" || name == "closed" || name == "zero-velocities";
+  const bool one_moves = name.ends_with("-moves");
+  const bool still = one_moves || name == "still" || name == "closed" || name == "zero-velocities";
   if (!still) object.cloud.velocity.assign(object.cloud.size(), way);
   const bool all = name.starts_with("all");
   const auto every = all ? std::size_t{1} : static_cast<std::size_t>(std::max(1.0, std::round(1.0 / share)));
@@ -98,11 +101,24 @@ Result<Scene> make(const std::string& name, std::size_t points, double share) {
     });
   }
   scene.objects.push_back(std::move(object));
+  if (one_moves) {
+    const double radius = name == "small-moves" ? 0.1 : 0.2;
+    Object mover;
+    Result<SurfelCloud> small = generate(
+        "sphere", static_cast<std::size_t>(std::max(10.0, radius * radius * static_cast<double>(points))),
+        {{"sectors", 24}, {"rings", 12}, {"radius", radius}});
+    if (!small) return small.error();
+    mover.cloud = *std::move(small);
+    mover.cloud.velocity.assign(mover.cloud.size(), way);
+    mover.transform.keys.resize(1);
+    mover.transform.keys[0].translate = {0.0, 0.0, 1.5};
+    scene.objects.push_back(std::move(mover));
+  }
   return scene;
 }
 
 struct Cost {
-  double seconds = 0.0, mebibytes = 0.0, instants = 0.0, kernels = 0.0, psnr_db = 0.0;
+  double seconds = 0.0, mebibytes = 0.0, instants = 0.0, kernels = 0.0, swept = 0.0, psnr_db = 0.0;
 };
 
 double peak_mebibytes() {
@@ -134,6 +150,7 @@ std::optional<Cost> cost_of(const std::string& name, const std::string& method, 
     }
     cost.instants = rendered->statistics.counter("instants_per_pixel").value_or(0.0);
     cost.kernels = rendered->statistics.counter("kernels").value_or(0.0);
+    cost.swept = rendered->statistics.counter("pixels_swept").value_or(0.0);
     if (reference > 0) {
       SampledOptions many;
       many.samples = reference;
@@ -180,8 +197,8 @@ int run(int argc, char** argv) {
   fmt::print("{} points, of which {} % differ\n\n", points, 100.0 * share);
   fmt::print(
       "| case | method | CPU s | ratio | memory, MiB | ratio | instants a pixel | kernels | "
-      "PSNR, dB |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|---|\n");
+      "pixels swept | PSNR, dB |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& method : methods)
     for (const std::string& name : names) {
       const auto* of = std::find_if(std::begin(cases), std::end(cases),
@@ -202,9 +219,10 @@ int run(int argc, char** argv) {
         time_ratios.push_back(cost->seconds / base->seconds);
         memory_ratios.push_back(cost->mebibytes / base->mebibytes);
       }
-      fmt::print("| {} | {} | {:.2f} | {:.3f} | {:.0f} | {:.2f} | {:.1f} | {:.0f} | {} |\n", name, method,
-                 median(seconds), median(time_ratios), median(memory), median(memory_ratios), last.instants,
-                 last.kernels, last.psnr_db > 0.0 ? fmt::format("{:.1f}", last.psnr_db) : "-");
+      fmt::print("| {} | {} | {:.2f} | {:.3f} | {:.0f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} |\n", name,
+                 method, median(seconds), median(time_ratios), median(memory), median(memory_ratios),
+                 last.instants, last.kernels, last.swept,
+                 last.psnr_db > 0.0 ? fmt::format("{:.1f}", last.psnr_db) : "-");
       std::fflush(stdout);
     }
   fmt::print("\n");

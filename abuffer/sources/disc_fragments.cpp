@@ -51,6 +51,16 @@ void DiscFragments::select(std::size_t tile) {
   raster_.backs = static_cast<std::uint32_t>(shades_.size() - kernels_.size());
 }
 
+Window DiscFragments::keep_what_moves(const Window& window) {
+  Window moved{window.x, window.y, 0, 0};
+  for (const BoundedKernel& kernel : octagons_)
+    if (kernel.turn != no_turn || !kernels_[kernel.index].stays())
+      moved = moved.joined(part_within(kernel.octagon, window));
+  const PixelBox box = moved.centers();
+  std::erase_if(octagons_, [&](const BoundedKernel& kernel) { return !kernel.octagon.overlaps(box); });
+  return moved;
+}
+
 bool DiscFragments::before(const BoundedKernel& a, const BoundedKernel& b) const {
   if (a.key != b.key) return a.key < b.key;
   if (KernelOrder::content_less(kernels_[a.index], kernels_[b.index])) return true;

@@ -39,6 +39,9 @@ class DiscFragments final : public FragmentSource {
 
   void select(std::size_t tile) override;
   [[nodiscard]] bool gather(const Window& window) override;
+  /// Of a tile's window, the part outside of which nothing that was selected moves; what does not come by it
+  /// is put away.
+  [[nodiscard]] Window keep_what_moves(const Window& window);
 
   [[nodiscard]] const DiscFilm& film() const { return film_; }
   [[nodiscard]] const FragmentArrays& fragments() const { return fragments_; }

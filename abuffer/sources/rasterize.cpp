@@ -35,6 +35,16 @@ Row rows_of(const Octagon& octagon, const Window& window) {
   return {static_cast<int>(low), static_cast<int>(high)};
 }
 
+/// The columns that are visited in some row.
+Row columns_of(const Octagon& octagon, const Window& window) {
+  const PixelBox box = octagon.box();
+  const double low =
+      std::clamp(std::ceil(box.x_min - 0.5), double(window.x), double(window.x + window.width));
+  const double high =
+      std::clamp(std::floor(box.x_max - 0.5) + 1.0, double(window.x), double(window.x + window.width));
+  return {static_cast<int>(low), static_cast<int>(high)};
+}
+
 /// The kernel in the shutter time of a row that is exposed so much later. False: it is not there then.
 bool delay(MovingKernel& kernel, double later) {
   const double middle = double{kernel.t_mid()}, half = kernel.half_time();
@@ -297,6 +307,11 @@ void rasterize(const MovingKernel& of_all_rows, const DiscTurn* turn, std::uint3
     }
   }
   rays.append_to(fragments, seen, model);
+}
+
+Window part_within(const Octagon& octagon, const Window& window) {
+  const Row rows = rows_of(octagon, window), columns = columns_of(octagon, window);
+  return {columns.first, rows.first, columns.last - columns.first, rows.last - rows.first};
 }
 
 std::size_t visited_pixels(const Octagon& octagon, const Window& window) {

@@ -1,6 +1,7 @@
 // Kernels to fragments.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -22,6 +23,17 @@ struct Window {
 
   /// Around the pixels' centres.
   [[nodiscard]] PixelBox centers() const { return {x + 0.5, x + width - 0.5, y + 0.5, y + height - 0.5}; }
+  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
+  [[nodiscard]] bool contains(int px, int py) const {
+    return px >= x && px < x + width && py >= y && py < y + height;
+  }
+  /// The least that has both; an empty one has nothing.
+  [[nodiscard]] Window joined(const Window& other) const {
+    if (empty() || other.empty()) return empty() ? other : *this;
+    const int left = std::min(x, other.x), top = std::min(y, other.y);
+    return {left, top, std::max(x + width, other.x + other.width) - left,
+            std::max(y + height, other.y + other.height) - top};
+  }
   /// Cut across its longer side; of more than one pixel.
   [[nodiscard]] std::pair<Window, Window> halves() const {
     Window first = *this, second = *this;
@@ -65,6 +77,9 @@ void append(const RayFragment<double>& fragment, std::uint32_t pixel, std::uint3
 void rasterize(const MovingKernel& kernel, const DiscTurn* turn, std::uint32_t kernel_index,
                const Octagon& octagon, const RasterModel& model, const Window& window,
                FragmentArrays& fragments);
+
+/// The part of `window` with all pixels that rasterize() visits.
+[[nodiscard]] Window part_within(const Octagon& octagon, const Window& window);
 
 /// How many pixels of `window` rasterize() visits: an upper bound of the fragments it appends.
 [[nodiscard]] std::size_t visited_pixels(const Octagon& octagon, const Window& window);

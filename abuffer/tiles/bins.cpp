@@ -35,7 +35,8 @@ void TileBins::put(std::size_t tile, const KernelSource& source) {
   Last& last = last_[tile];
   if (last.count == per_block) {
     blocks_.push_back({{}, last.block});
-    last = {static_cast<std::uint32_t>(blocks_.size() - 1), 0};
+    last.block = static_cast<std::uint32_t>(blocks_.size() - 1);
+    last.count = 0;
   }
   blocks_[last.block].sources[last.count++] = source;
   ++entries_;
@@ -59,10 +60,13 @@ void TileBins::add(const KernelSource& source, const MovingKernel& kernel, const
   const int x0 = tile_of(box.x_min, film_.x, columns), x1 = tile_of(box.x_max, film_.x, columns);
   const int y0 = tile_of(box.y_min, film_.y, rows), y1 = tile_of(box.y_max, film_.y, rows);
   const std::size_t before = entries_;
+  const bool moves = turn != nullptr || !kernel.stays();
   for (int ty = y0; ty <= y1; ++ty)
     for (int tx = x0; tx <= x1; ++tx) {
       const std::size_t tile = static_cast<std::size_t>(ty) * tiles_.columns() + static_cast<std::size_t>(tx);
-      if (octagon.overlaps(tiles_.window(tile).centers())) put(tile, source);
+      if (!octagon.overlaps(tiles_.window(tile).centers())) continue;
+      put(tile, source);
+      last_[tile].moves |= moves;
     }
   if (entries_ == before) ++outside_;
 }

@@ -29,6 +29,8 @@ class TileBins {
       count = per_block;
     }
   }
+  /// Whether any of them moves, changes its colour, or is not there all the time.
+  [[nodiscard]] bool moves(std::size_t tile) const { return last_[tile].moves; }
   [[nodiscard]] std::size_t entry_count() const { return entries_; }
   /// What they take.
   [[nodiscard]] std::size_t bytes() const {
@@ -50,6 +52,7 @@ class TileBins {
   };
   struct Last {
     std::uint32_t block = no_block, count = per_block;
+    bool moves = false;
   };
   void put(std::size_t tile, const KernelSource& source);
 

@@ -75,6 +75,8 @@ struct MovingKernel {
   [[nodiscard]] float t_mid() const { return 0.5f * (t_begin + t_end); }
   /// It may change its colour for all that.
   [[nodiscard]] bool still() const { return velocity.isZero(0.0); }
+  /// Whether it is the same at all times of the exposure.
+  [[nodiscard]] bool stays() const { return still() && !changes_color() && t_begin == 0.0f && t_end == 1.0f; }
   [[nodiscard]] bool changes_color() const { return !color_rate.isZero(0.0f); }
   [[nodiscard]] bool bent() const { return !bend.isZero(0.0); }
   [[nodiscard]] double half_time() const {
