@@ -1,7 +1,6 @@
 #include "tools/compare_command.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 
 #include "splat/compare/metrics.h"
 #include "splat/io/image_file.h"
+#include "tools/check_number.h"
 #include "tools/console.h"
 
 namespace swept {
@@ -124,11 +124,6 @@ Status compare(const CompareArguments& arguments) {
 std::string check_difference_name(const std::string& name) {
   const std::string extension = std::filesystem::path(name).extension().string();
   return extension == ".png" || extension == ".exr" ? "" : "must end in .png or .exr: " + name;
-}
-
-/// Bounds alone let nan through.
-std::string check_is_number(const std::string& text) {
-  return std::isnan(std::strtod(text.c_str(), nullptr)) ? "must be a number: " + text : "";
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "splat/io/atomic_file.h"
 #include "splat/io/point_file.h"
 #include "splat/io/splat_file.h"
+#include "tools/check_number.h"
 #include "tools/console.h"
 #include "tools/progress.h"
 #include "tools/study/added_images.h"
@@ -327,6 +328,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
                    "Of the part hierarchy: how far they move, px [0,10,30,100,300]")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1e6))
+      ->check(check_is_number)
       ->type_name("PX,...");
   command
       ->add_option("--films", options.films_px,
@@ -344,6 +346,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--limit", options.runner.limit_seconds, "Seconds after which a render counts as failed")
       ->check(CLI::PositiveNumber)
+      ->check(check_is_number)
       ->capture_default_str();
   command
       ->add_option_function<std::vector<std::string>>(
