@@ -1,4 +1,4 @@
-// What of a scene is seen besides its colours: normals, motion vectors and coverage, for compositing.
+// What compositing needs besides colours: normals, motion vectors and coverage.
 #pragma once
 
 #include <vector>
@@ -17,23 +17,21 @@ struct LayerChoice {
   [[nodiscard]] bool any() const { return normal || motion || coverage; }
 };
 
-/// Channels over the film's window, of the nearest surface at the middle of the exposure: the mean over its
-/// discs, weighted by their kernels, or over what the places of the pixel meet first of a mesh. Not
-/// premultiplied; 0 where there is none.
+/// Channels of the nearest surface at the middle of the exposure, over the film's window, row by row as in
+/// Image. They are means over the discs of that surface, weighted by their kernels, or over the first
+/// triangles of a mesh that the places of the pixel meet. Not premultiplied; 0 where there is no surface.
 ///
-///   normal.x, .y, .z      unit, in world space, of the side that is seen
-///   forward.u, .v         where the surface goes to on the film until the shutter closes, in px per frame: u
-///   to
-///                         the right, v up
-///   backward.u, .v        where it came from since the shutter opened, likewise; opposed to forward where
-///   motion
-///                         is even
-///   coverage              of the pixel by this surface, whatever its opacity, [0, 1]
+///   normal.x, .y, .z      unit vector in world space, of the side that is seen
+///   forward.u, .v         displacement on the film until the shutter closes, px per frame: u to the
+///                         right, v up
+///   backward.u, .v        displacement on the film back to when the shutter opened, likewise; for even
+///                         motion the negative of forward
+///   coverage              share of the pixel that this surface covers, whatever its opacity, [0, 1]
 ///
-/// While the shutter opens and closes at once the vectors are those of an instant: of points that move from
-/// file to file, as far as the scene holds two of them. A point that is before the near plane at the other
-/// end has no vectors: 0. A lens counts as a pinhole in its middle. The result does not depend on the number
-/// of threads.
+/// If the shutter opens and closes at once, the vectors are those of the instant; points that move from file
+/// to file have vectors then if the scene holds two of the files. A point that is nearer than the near plane
+/// at the other end of the exposure has no vector: 0. A lens counts as a pinhole in its middle. The result
+/// does not depend on the number of threads.
 ///
 /// Errors: scene or control out of range, not enough memory, and a pass that was stopped.
 [[nodiscard]] Result<std::vector<ImageChannel>> render_layers(const Scene& scene, const LayerChoice& choice,

@@ -11,19 +11,19 @@
 namespace SWEPT_API swept {
 
 struct SampledOptions {
-  /// Instants in every cell in which something moves, at the midpoints of so many strata of the exposure; [1,
+  /// Instants in every cell in which something moves: the midpoints of so many strata of the exposure; [0,
   /// 2²⁰]. 0: as many as `max_error_db` takes, cell by cell.
   int samples = 0;
-  /// PSNR that the frame is to reach, dB for peak 1; (0, 150]. Met as far as the estimate sees.
+  /// PSNR that the frame is to reach, dB for peak 1; (0, 150]. It is met by an estimate, not by a bound.
   double max_error_db = 60.0;
-  /// The same for every cell of 64 × 64 px by itself, besides; 0: not asked for. [0, 150]
+  /// PSNR that every cell of 64 × 64 px is to reach, in addition; [0, 150]. 0: not asked for.
   double max_cell_error_db = 0.0;
-  /// Seconds to render for, wall-clock, in place of the errors above: cells are refined where that gains most
-  /// until the next step would end later. Every cell has its first instants, however long that takes. 0: not
-  /// asked for. The image depends on the machine then.
+  /// Wall-clock seconds to render for, in place of the errors above. Every cell gets its first instants,
+  /// however long that takes; then cells are refined where that gains most, until the next step would end
+  /// later. The image then depends on the machine. 0: not asked for.
   double max_seconds = 0.0;
-  /// Adds the channel "error": the expected root mean square error of each pixel over R, G and B. It is a
-  /// draw for a pixel by itself, an expectation over a neighbourhood.
+  /// Adds the channel "error": the estimated root mean square error of each pixel over R, G and B. For a
+  /// single pixel the estimate is random; it holds in the mean over a neighbourhood.
   bool error_channel = false;
   /// Leaves out every object that moves during the exposure, by itself or because the camera does.
   bool only_standing = false;
@@ -34,22 +34,23 @@ struct SampledOptions {
   [[nodiscard]] Status validate() const;
 };
 
-/// Renders the scene's film window: points are where their true path has them at each instant, and the
-/// scene's segments are not used. The result is the same, bit for bit, for any thread count and order of the
-/// scene's points, for every instruction set, and a crop equals those pixels of the whole frame. What does
-/// not move takes a single instant.
+/// Renders the scene's film window. At each instant points are where their true path has them; the scene's
+/// segments are not used. The result is the same, bit for bit, for any thread count, instruction set and
+/// order of the scene's points, and a crop equals those pixels of the whole frame. A cell in which nothing
+/// moves takes a single instant.
 ///
-/// Statistics: "instants" cells × instants, "instants_per_pixel" their mean over the film's window,
-/// "most_instants" in any cell, and unless `samples` alone is given "expected_rmse" and "expected_psnr_db" of
-/// the window, estimated from alternating sums of the instants, and "expected_worst_cell_rmse".
-/// Rendered::parts are the cells.
+/// Statistics: "instants" is the sum of the instants of all cells, "instants_per_pixel" their mean over the
+/// film's window, and "most_instants" the most in any cell. Unless only `samples` is given, "expected_rmse",
+/// "expected_psnr_db" (both of the window) and "expected_worst_cell_rmse" are estimated from alternating sums
+/// of the instants. Rendered::parts are the cells.
 ///
-/// A lens is looked through from as many points as the error takes, each at an instant of its own, and
-/// "instants" are these looks. Of a lens whose points are given (Aperture::samples), and with `samples`, all
-/// points are looked through at instants of their own: the error is not estimated then, and neither
-/// `max_seconds` nor `error_channel` can be had. "lens_points" are those given, or the most of any cell.
+/// A lens is looked through at as many points as the error takes, each at an instant of its own; "instants"
+/// then counts these looks. If Aperture::samples or `samples` is given, every point of the lens is looked
+/// through at instants of its own. Then the error is not estimated, and `max_seconds` and `error_channel` are
+/// errors. "lens_points" is the number given, or the most of any cell.
 ///
-/// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
+/// Errors: options, control or scene out of range; `samples` together with `max_seconds`; a row delay
+/// together with `max_seconds`, a lens, splats or triangles; not enough memory; a render that was stopped.
 [[nodiscard]] Result<Rendered> render_sampled(const Scene& scene, const SampledOptions& options = {},
                                               const RenderControl& control = {});
 

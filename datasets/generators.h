@@ -27,7 +27,8 @@ inline constexpr std::size_t kMaxGeneratedPoints = 10'000'000;
 /// The shapes, in alphabetical order.
 [[nodiscard]] std::vector<std::string> generator_names();
 
-/// What `shape` takes, the parameters all shapes share included. The error's field is "generator".
+/// What `shape` takes, including the parameters that all shapes share. Errors: an unknown shape, with the
+/// field "generator".
 [[nodiscard]] Result<std::vector<GeneratorParameter>> generator_parameters(const std::string& shape);
 
 /// A cloud of exactly `points` surfels, one key at frame 0, object space: y up, shapes about two units

@@ -1,4 +1,4 @@
-// Clouds from a caller's own arrays: nothing is copied that lies in memory as the renderers read it.
+// Clouds from a caller's own arrays. What lies in memory as the renderers read it is not copied.
 #pragma once
 
 #include <vector>
@@ -13,37 +13,38 @@
 
 namespace SWEPT_API swept {
 
-/// Colours and opacities of discs at one time, for what looks different at another: LookKey.
+/// Colours and opacities of discs at one time, for discs whose looks change: LookKey.
 struct LookArrays {
   double frame = 0.0;
   Strided<Eigen::Vector3f> color;  ///< viewed; none: white
   Strided<float> opacity;          ///< viewed; none: 1
 };
 
-/// Discs as someone else keeps them. Arrays that are empty are not given; the others have an entry per point.
+/// Discs in arrays of the caller. An empty array counts as not given; the others have an entry per point.
 ///
-/// What is marked "viewed" is not copied, whatever its stride, if its first entry is aligned as its type is
-/// and the stride keeps it so: the cloud reads it where it lies, until the cloud and its copies are gone, and
-/// it must not change meanwhile. The rest is made into arrays of the cloud's own.
+/// An array marked "viewed" is not copied, whatever its stride, if its first entry has the alignment of its
+/// type and the stride keeps that. The cloud reads it where it lies, so it must stay there and unchanged
+/// until the cloud and its copies are gone. The other arrays are converted into arrays of the cloud's own.
 struct SurfelArrays {
   Strided<Eigen::Vector3d> position;             ///< viewed; this or position_single
-  Strided<Eigen::Vector3f> position_single;      ///< for those who have them in single precision
+  Strided<Eigen::Vector3f> position_single;      ///< positions in single precision
   Strided<Eigen::Vector3f> axis_u, axis_v;       ///< viewed; as SurfelPose: both, or normal and radius
   Strided<Eigen::Vector3f> normal;               ///< of any length but 0
   Strided<float> radius;                         ///< at the kernel's cut-off, object units; one entry: of all
   Strided<Eigen::Vector3f> velocity_per_frame;   ///< viewed; object units per frame
   Strided<Eigen::Vector3f> velocity_per_second;  ///< or per second, with `frames_per_second`
   double frames_per_second = 24.0;
-  double frame = 0.0;              ///< when points are at `position`
+  double frame = 0.0;              ///< the frame at which points are at their positions
   Strided<Eigen::Vector3f> color;  ///< viewed; linear Rec.709; none: white
   Strided<float> opacity;          ///< viewed; [0, 1]; none: 1
-  /// In place of `color` and `opacity`, for points that change during the exposure: SurfelCloud::looks.
+  /// For points whose looks change during the exposure, in place of `color` and `opacity`:
+  /// SurfelCloud::looks.
   std::vector<LookArrays> looks;
-  /// a₁ × a₂, or the normal, is known to point outside: SurfelCloud::oriented of all.
+  /// Whether a₁ × a₂, or the normal, is known to point outside, for all points: SurfelCloud::oriented.
   bool oriented = false;
 };
 
-/// Gaussian splats as someone else keeps them: see SplatCloud for what they mean.
+/// Gaussian splats in arrays of the caller; "viewed" as above. SplatCloud says what they mean.
 struct SplatArrays {
   Strided<Eigen::Vector3d> position;  ///< viewed; this or position_single
   Strided<Eigen::Vector3f> position_single;

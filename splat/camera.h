@@ -45,7 +45,7 @@ struct Lens {
   /// Principal point, where the view direction meets the film, from the film's middle: x right, y down, in
   /// heights of the film, −1000 to 1000.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  double focus = 0.0;  ///< depth that is in focus, world units; 0: not said, as a pinhole need not
+  double focus = 0.0;  ///< depth that is in focus, world units; 0: not given, which only a pinhole may have
 
   friend bool operator==(const Lens& a, const Lens& b) {
     return a.stretch_x == b.stretch_x && a.shift == b.shift && a.focus == b.focus;
@@ -58,7 +58,7 @@ struct Aperture {
   int blades = 0;       ///< corners of the polygon, 3 to 64; 0: a disc
   double rotation_radians =
       0.0;          ///< of the polygon's first corner from the camera's x axis towards its y axis
-  int samples = 0;  ///< points that the lens is looked through, up to 4096; 0: chosen
+  int samples = 0;  ///< points of the lens to look through, up to 4096; 0: the renderer chooses
 };
 
 /// One key of the camera: a pose and a lens. The focal length is a tangent, so that it does not depend on
@@ -73,8 +73,9 @@ struct CameraKey {
   Lens lens{};
 };
 
-/// How keys are joined: `pose` interpolates eye and orientation (slerp); `look_at` interpolates eye,
-/// target, up and roll and builds the basis at each instant, so that a target stays on the principal point.
+/// One key of a camera that looks at a target. Between look-ats eye, target, up and roll are interpolated,
+/// and the basis is built at each instant, so that a target stays on the principal point. (Between CameraKeys
+/// eye and orientation are interpolated, the latter by slerp.)
 struct LookAtKey {
   double frame = 0.0;
   Eigen::Vector3d eye{0.0, 0.0, 5.0}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
@@ -90,20 +91,21 @@ struct LookAtKey {
 /// two large numbers there, and has lost the digits that p - eye keeps.
 struct CameraInstant {
   Eigen::Affine3d camera_from_world;  ///< rigid; translation() == -linear() * eye
-  /// World space. Of an orthographic camera the point of the film's middle at depth 0: it takes in the shift
-  /// of the principal point, and lens.shift is 0.
+  /// World space. For an orthographic camera, the point of the film's middle at depth 0, which includes the
+  /// shift of the principal point; lens.shift is 0 then.
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
   double tan_half_fov_y = 0.5;  ///< as a CameraKey has it
   Lens lens{};
   bool orthographic = false;
 };
 
-/// Exactly one of the two lists is non-empty, at strictly increasing frames; held outside.
+/// The camera over time. Exactly one of the two lists of keys is non-empty, at strictly increasing frames.
+/// Before the first key and after the last the camera is held.
 struct CameraTrack {
   std::vector<CameraKey> poses;
   std::vector<LookAtKey> look_ats;
   double near = 1e-3;  ///< world units, > 0: what is nearer is not seen
-  /// All rays are parallel, and all that is seen is as large at any depth. There is no lens then.
+  /// All rays are parallel, and what is seen has the same size at any depth. There is no lens then.
   bool orthographic = false;
   Aperture aperture{};
   /// The point of the lens that at() looks through, from its middle along the camera's x and y axes, world
@@ -112,7 +114,7 @@ struct CameraTrack {
 
   [[nodiscard]] CameraInstant at(double frame) const;
   [[nodiscard]] bool constant_over(double first, double last) const;
-  /// Singular bases (eye on target, up along the view), bad fields of view and unsorted keys.
+  /// Errors: singular bases (eye on target, up along the view), fields of view out of range, unsorted keys.
   [[nodiscard]] Status validate() const;
 
  private:
@@ -124,7 +126,7 @@ struct CameraTrack {
 struct Film {
   int width = 1024, height = 576;                               ///< px, ≥ 1
   int crop_x = 0, crop_y = 0, crop_width = 0, crop_height = 0;  ///< px; width 0: the whole film
-  /// Pixels beyond the film's edges that are computed besides; without a crop.
+  /// Pixels beyond the film's edges that are also computed; only without a crop.
   int overscan_left = 0, overscan_top = 0, overscan_right = 0, overscan_bottom = 0;
 
   [[nodiscard]] bool has_overscan() const {
@@ -160,13 +162,13 @@ struct Projection {
   return projection;
 }
 
-/// Camera space of `camera`, distorted so that the projection of `reference` shows what `camera` sees:
-/// depths stay, x and y are scaled and sheared along the depth. The identity if the two lenses are one and
-/// have one focal length.
+/// The map from the camera space of `camera` to one in which the projection of `reference` shows what
+/// `camera` sees: depths stay, x and y are scaled and sheared along the depth. The identity if both have the
+/// same lens and focal length.
 [[nodiscard]] Eigen::Matrix3d lens_matrix(const CameraInstant& camera, const CameraInstant& reference);
 
-/// The largest |x/z| (axis 0) or |y/z| (axis 1) on the film, of an orthographic camera |x| or |y|, or, if the
-/// principal point is beside the film, between both.
+/// The largest |x/z| (axis 0) or |y/z| (axis 1) on the film, or, if the principal point is beside the film,
+/// between that point and the film's far edge. For an orthographic camera the largest |x| or |y|.
 [[nodiscard]] double largest_tangent(const Film& film, const Projection& projection, int axis);
 
 }  // namespace swept

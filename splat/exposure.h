@@ -9,21 +9,20 @@
 
 namespace SWEPT_API swept {
 
-/// Frames, shutter times and keys beyond this either way are refused: a frame is lost in the rounding of
-/// larger numbers.
+/// Frames, shutter times and keys beyond ± this are refused: larger numbers round a frame away.
 inline constexpr double most_frame = 1e9;
 
 /// From `open` to `close`, in absolute frames; open ≤ close. open == close is an instant: a still image.
 ///
-/// Shutter time is the share of the light that is in: where it goes evenly from 0 to 1 every instant has the
-/// weight that the shutter's curve gives it.
+/// Shutter time is the share of the light that has come in. So if shutter time goes evenly from 0 to 1, every
+/// instant has the weight that the shutter's curve gives it.
 struct Exposure {
   double open = 0.0, close = 0.0;
   std::shared_ptr<const ShutterCurve> curve = {};  ///< null: even light
-  /// Of the whole exposure, of which this may be a part: when the curve begins and ends.
+  /// The frames at which the curve begins and ends: those of the whole exposure, of which this may be a part.
   double curve_open = 0.0, curve_close = 0.0;
-  /// Frames by which each row of the film is exposed later than the one above it; the top row is exposed as
-  /// said. Below 0: earlier.
+  /// Frames by which each row of the film is exposed later than the row above it (below 0: earlier). `open`
+  /// and `close` are those of the top row.
   double row_delay = 0.0;
 
   [[nodiscard]] bool instant() const { return open == close; }
@@ -51,7 +50,7 @@ struct Exposure {
     result.row_delay = 0.0;
     return result;
   }
-  /// From when the first row's exposure begins until the last one's ends, evenly, of a film of so many rows.
+  /// An evenly lit exposure from when the first of `rows` rows begins to be exposed until the last one ends.
   [[nodiscard]] Exposure of_all_rows(int rows) const {
     if (row_delay == 0.0) return *this;
     const double later = row_delay * (rows - 1);

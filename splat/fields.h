@@ -1,5 +1,5 @@
-// One table of what a scene says about the image besides camera and objects: film, rate, shutter, background
-// and image model. Files, the command line, the ranges, the manual and the scene's hash all go by it.
+// One table of what a scene says about the image, apart from camera and objects: film, rate, shutter,
+// background and image model. Files, the command line, the ranges, the manual and the scene's hash follow it.
 #pragma once
 
 #include <cstddef>
@@ -33,45 +33,46 @@ struct Field {
   std::string_view option;
   char separator = ',';  ///< between the numbers of the option
   std::string_view unit = {};
-  std::string_view help;                     ///< for one who knows the model, without full stop
+  std::string_view help;                     ///< a phrase without full stop, for readers who know the model
   std::vector<FieldNumber> numbers;          ///< several: a file has an array
-  std::size_t least = 1;                     ///< so many must be given; those left out are 1
+  std::size_t least = 1;                     ///< how many must be given; those left out are 1
   std::vector<std::string_view> words = {};  ///< the one number is an index into these
-  /// Of a list of any length up to numbers.size(): how many there are, and makes it that long. Else null.
+  /// For a list of any length up to numbers.size(): its length, and a function that sets it. Else null.
   std::size_t (*count)(const Scene&) = nullptr;
   void (*resize)(Scene&, std::size_t) = nullptr;
   bool with_object = false;  ///< must be given if the object around it is
-  /// All of them zero in memory means that nothing was said, and then what this tells happens. No file and
-  /// no option says zero. Empty: zero is nothing special.
+  /// What happens if all numbers are zero in memory, which then means that nothing was given; no file and no
+  /// option can give zero. Empty: zero is a number as any other.
   std::string_view if_zero = {};
 
   [[nodiscard]] std::string_view group() const;  ///< "image"; empty: a member of the file itself
   [[nodiscard]] std::string_view name() const;   ///< "delta"
   [[nodiscard]] std::vector<double> get(const Scene& scene) const;
-  /// `values` are legal() and as many as `numbers`, or fewer but no less than `least`; or none, which makes a
-  /// list of any length empty.
+  /// Precondition: `values` are legal(), and there are as many as `numbers`, or fewer but at least `least`;
+  /// or none, which makes a list of any length empty.
   void set(Scene& scene, std::span<const double> values) const;
-  /// Whether nothing was said: if_zero.
+  /// Whether `values` mean that nothing was given: see if_zero.
   [[nodiscard]] bool unset(std::span<const double> values) const;
-  /// Why these values are none of this field; nothing: they are. The error's field is `pointer`, with an
-  /// index if one of several numbers is at fault. Does not know of other fields.
+  /// Whether the field can have these values, apart from what other fields say. The error's field is
+  /// `pointer`, with an index if one of several numbers is at fault.
   [[nodiscard]] Status legal(std::span<const double> values) const;
 };
 
-/// All of them, in the order in which they are shown. Of a scene's members only camera, objects and frame are
-/// missing.
+/// All fields, in the order in which they are shown. Of a scene's members only camera, objects and frame have
+/// none.
 [[nodiscard]] const std::vector<Field>& scene_fields();
 
-/// nullptr: no such field.
+/// The field with this pointer; nullptr: there is none.
 [[nodiscard]] const Field* find_field(std::string_view pointer);
 
 /// Values by pointer.
 using FieldValues = std::map<std::string, std::vector<double>, std::less<>>;
 
-/// The ranges of all fields with pointers that start with `group`, and what relates them to each other.
+/// Checks the ranges of all fields whose pointers start with `group`, and how they relate to each other.
 [[nodiscard]] Status validate_fields(const Scene& scene, std::string_view group = "");
 
-/// "above 0 and at most 50", "between 1 and 65536 pixels", "soft or hard"; empty: any that is finite.
+/// The range of a number as a phrase: "above 0 and at most 50", "between 1 and 65536 pixels", "soft or hard".
+/// Empty: any finite number.
 [[nodiscard]] std::string range_text(const Field& field, std::size_t number = 0);
 
 /// As a file would say it: "3", "[0, 0, 0, 0]", "soft".

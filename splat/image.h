@@ -11,7 +11,7 @@
 
 namespace SWEPT_API swept {
 
-/// A number for every pixel of an image besides its colour, row by row as in Image.
+/// One more number for every pixel of an image, row by row as in Image.
 struct ImageChannel {
   std::string name;  ///< as in a file: "error", "normal.x"
   std::vector<float> values;
@@ -22,8 +22,8 @@ struct Image {
   int x = 0, y = 0, width = 0, height = 0;  ///< window within the film, px
   int film_width = 0, film_height = 0;
   std::vector<float> rgba;  ///< 4 per pixel
-  /// Camera-space z, the mean over exposure and surfaces weighted by what each adds to alpha; +∞ where
-  /// nothing is seen.
+  /// Camera-space z, 1 per pixel: the mean over exposure and surfaces, weighted by what each adds to alpha.
+  /// +∞ where nothing is seen.
   std::vector<float> depth;
   std::vector<ImageChannel> channels = {};  ///< besides R, G, B, A and Z
 
@@ -31,8 +31,8 @@ struct Image {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
 
-  /// Window and film hold at least a pixel, and the arrays fit the window; depth may be missing (empty),
-  /// and channels have names, each another. Pixel values are free. The error's field names the member.
+  /// Window and film hold at least a pixel, the arrays fit the window (depth may be empty), and all channels
+  /// have different names. Pixel values may be anything. The error's field names the member.
   [[nodiscard]] Status validate() const;
 };
 

@@ -10,11 +10,12 @@
 
 namespace SWEPT_API swept {
 
-/// The same picture of a film that has the overscan within it: focal length and principal point stay where
-/// they are, in pixels. A copy of the whole scene. Throws std::bad_alloc.
+/// A copy of the scene whose film includes the overscan. Focal length and principal point stay as they are,
+/// in pixels, so that the picture is the same. Throws std::bad_alloc.
 [[nodiscard]] Scene widened(const Scene& scene);
 
-/// render(scene), or of a scene with overscan that of the widened scene, seen from the scene's own film.
+/// render(scene); for a scene with overscan render(widened(scene)), with windows relative to the scene's own
+/// film.
 template <class Render>
 [[nodiscard]] Result<Rendered> render_overscan(const Scene& scene, const Render& render) {
   if (!scene.film.has_overscan()) return render(scene);

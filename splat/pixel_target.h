@@ -1,4 +1,4 @@
-// An image into memory that the caller has: a texture, a frame of a viewer, a part of a larger picture.
+// Copies an image into memory of the caller: a texture, a frame of a viewer, a part of a larger picture.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,14 @@ namespace SWEPT_API swept {
 struct PixelTarget {
   float* data = nullptr;  ///< red of the upper left pixel
   int width = 0, height = 0;
-  int channels = 4;                       ///< 3: red, green, blue; 4: alpha too
-  std::ptrdiff_t pixel_stride_bytes = 0;  ///< 0: pixels lie side by side
-  std::ptrdiff_t row_stride_bytes = 0;    ///< 0: so do rows
+  int channels = 4;                       ///< 3: red, green, blue; 4: alpha, too
+  std::ptrdiff_t pixel_stride_bytes = 0;  ///< 0: pixels are packed
+  std::ptrdiff_t row_stride_bytes = 0;    ///< 0: rows are packed
 };
 
-/// Writes the image's window, as it is, linear and premultiplied, and nothing else of the target. Errors:
-/// sizes that differ, channels other than 3 or 4, no memory given; nothing is written then.
+/// Writes the pixels of the image's window, linear and premultiplied, and no other bytes of the target.
+/// Errors: sizes that differ, channels other than 3 or 4, no memory given. After an error nothing was
+/// written.
 [[nodiscard]] Status copy_pixels(const Image& image, const PixelTarget& target) noexcept;
 
 }  // namespace swept

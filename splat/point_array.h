@@ -15,9 +15,9 @@
 
 namespace SWEPT_API swept {
 
-/// As std::vector, but that it can be a view, made by view() without a copy. What a view shows must outlive
-/// it and its copies, and must not change meanwhile. A view that is written to, or read through an object
-/// that is not const, becomes an array of its own first.
+/// As std::vector, except that it can be a view of the caller's array, made by view() without a copy. The
+/// array must outlive the view and its copies, and must not change meanwhile. A view that is written to, or
+/// read through an object that is not const, first becomes an array of its own.
 template <class T>
 class PointArray {
  public:

@@ -1,4 +1,4 @@
-// What a caller decides about a render that changes no bit of its image.
+// What a caller sets about a render that does not change a bit of its image.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,16 @@
 namespace SWEPT_API swept {
 
 struct RenderControl {
-  int threads = 0;  ///< at most so many, [0, 1024]; 0: as many as the machine has
-  std::size_t max_bytes =
-      0;  ///< of memory for points as the renderer keeps them, beyond the scene; 0: no limit
-  std::stop_token stop = {};  ///< asked for now and then; a stopped render returns an error
-  /// Called with the share that is done, in [0, 1] and never falling, by one thread at a time. What it
-  /// throws ends the render, which returns an error.
+  int threads = 0;  ///< the most threads, [0, 1024]; 0: as many as the machine has
+  /// The most memory for points as the renderer keeps them, beyond the scene itself; 0: no limit. A render
+  /// that would need more returns an error.
+  std::size_t max_bytes = 0;
+  std::stop_token stop = {};  ///< checked now and then; a stopped render returns an error
+  /// Called with the share that is done, in [0, 1] and never falling, by one thread at a time. If it throws,
+  /// the render ends and returns an error.
   std::function<void(double)> progress = {};
-  /// Called with what a person may want to know about a render that succeeded, a sentence at a time, by the
-  /// thread that called the renderer: Statistics::effects as they are. The library says nothing elsewhere.
+  /// Called after a render that succeeded, by the thread that called the renderer, with each of
+  /// Statistics::effects: a sentence that a person may want to know. The library prints nothing.
   std::function<void(const std::string&)> log = {};
 
   [[nodiscard]] Status validate() const {

@@ -1,4 +1,4 @@
-// What a renderer hands back: the picture, and what it took to make it.
+// What a renderer returns: the image, and what it took to make it.
 #pragma once
 
 #include <optional>
@@ -13,18 +13,18 @@
 
 namespace SWEPT_API swept {
 
-/// Counts and stage times of one render, in the order in which the renderer met them. The command line
-/// only formats them.
+/// Counts and stage times of one render, in the order in which the renderer added them. The command line only
+/// formats them.
 struct Statistics {
   std::vector<std::pair<std::string, double>> counters;  ///< name and value, e.g. "fragments"
-  std::vector<std::pair<std::string, double>> seconds;   ///< stage and its wall time
+  std::vector<std::pair<std::string, double>> seconds;   ///< stage and its wall time, s
   std::vector<std::string> effects;  ///< which effects ran, and which were skipped and why
 
   void count(std::string name, double value) { counters.emplace_back(std::move(name), value); }
   void time(std::string stage, double wall_seconds) { seconds.emplace_back(std::move(stage), wall_seconds); }
   void effect(std::string what) { effects.push_back(std::move(what)); }
 
-  /// Nothing if the render does not count that.
+  /// The value of a counter; nothing if the render does not have it.
   [[nodiscard]] std::optional<double> counter(std::string_view name) const {
     for (const auto& [key, value] : counters)
       if (key == name) return value;
@@ -32,7 +32,7 @@ struct Statistics {
   }
 };
 
-/// A rectangle of the film, px, and at how many instants it was looked at.
+/// A rectangle of the film, px, and the number of instants that were rendered there.
 struct FilmPart {
   int x = 0, y = 0, width = 0, height = 0;
   int instants = 0;
@@ -41,8 +41,8 @@ struct FilmPart {
 struct Rendered {
   Image image;
   Statistics statistics;
-  std::vector<FilmPart> parts = {};  ///< that cover the window; empty: the renderer does not tell
-  /// The image by depth, from a renderer that was asked for it (AbufferOptions::deep).
+  std::vector<FilmPart> parts = {};  ///< cover the window; empty: the renderer does not have them
+  /// The image by depth, if the renderer was asked for it (AbufferOptions::deep).
   std::optional<DeepImage> deep = {};
 };
 

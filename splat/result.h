@@ -12,7 +12,8 @@
 
 namespace SWEPT_API swept {
 
-/// `text` with control characters as `\xNN`: names come from files, and a terminal would obey them.
+/// `text` with control characters as `\xNN`: names come from files, and a terminal would obey such
+/// characters.
 [[nodiscard]] inline std::string printable(std::string_view text) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string shown;
@@ -45,17 +46,18 @@ enum class ErrorKind {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// What is wrong in a file was an argument to the function that found it.
+/// The kind of an error whose value came from a file: what is an `argument` to a function is `malformed`
+/// there.
 [[nodiscard]] constexpr ErrorKind in_a_file(ErrorKind kind) {
   return kind == ErrorKind::argument ? ErrorKind::malformed : kind;
 }
 
-/// What went wrong, in the words of the person who has to mend it.
+/// What went wrong, in words for the person who has to mend it.
 struct Error {
   std::string file;    ///< path as the caller gave it; empty if no file is involved
   std::string field;   ///< JSON pointer, PLY property, option name, ...; may be empty
   std::string reason;  ///< one sentence without a trailing full stop
-  /// Where nothing else is said, what is wrong with a file is malformed, and all else an argument.
+  /// By default `malformed` if a file is involved, else `argument`.
   ErrorKind kind = file.empty() ? ErrorKind::argument : ErrorKind::malformed;
 
   /// "file: field: reason", leaving out what is empty; printable.

@@ -1,4 +1,4 @@
-// How much light the shutter lets in over the exposure, and the time that this makes of shutter time.
+// How much light the shutter lets in over the exposure, and the map between time and shares of the light.
 //
 // With a(τ) the rate, ∫a = 1, and s(τ) = ∫₀^τ a the share of the light that is in by τ, a pixel is
 // ∫a(τ)C(τ)dτ = ∫C(τ(s))ds: a curve is a warp of time, and whatever is averaged or integrated evenly over
@@ -16,12 +16,13 @@ struct Shutter;
 
 class ShutterCurve {
  public:
-  /// Precondition: the shutter is valid, and its shape no box, which needs no curve.
+  /// Precondition: the shutter is valid, and its shape is not `box`, which needs no curve.
   explicit ShutterCurve(const Shutter& shutter);
 
-  /// Share of the light that is in at `time`, both in [0, 1].
+  /// The share of the light that has come in by `time`; both in [0, 1], 0 being where the shutter opens.
   [[nodiscard]] double share(double time) const;
-  /// The time by which that share is in; of several, where nothing comes in between, the first.
+  /// The time by which `share` of the light has come in: the inverse. Where no light comes in, the first such
+  /// time.
   [[nodiscard]] double time(double share) const;
 
  private:

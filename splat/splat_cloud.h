@@ -15,18 +15,17 @@
 
 namespace SWEPT_API swept {
 
-/// What a trained file says about how its splats are to be drawn. Source: Kerbl et al. 2023 and Yu et al.
-/// 2023.
+/// How a trained file says that its splats are to be drawn. Source: Kerbl et al. 2023 and Yu et al. 2023.
 enum class SplatFilter {
-  dilated,      ///< covariance grows by the film's dilation, opacity stays
-  antialiased,  ///< opacity is scaled besides, by √(determinant before / after dilation)
+  dilated,      ///< the covariance grows by the film's dilation, the opacity stays
+  antialiased,  ///< in addition the opacity is scaled, by √(determinant before / after dilation)
 };
 
-/// In what values neighbouring splats are blended.
+/// The values in which the splats of a file are blended: sRGB or linear light.
 enum class SplatColors { srgb, linear };
 
-/// Splats in object space, as structure of arrays. Axes are the file's own. Every non-empty array has
-/// position.size() entries, but `harmonics`, which has that many times coefficients(degree) · 3.
+/// Splats in object space, as structure of arrays. Axes are those of the file. Every non-empty array has
+/// position.size() entries; `harmonics` has that many times coefficients(degree) · 3.
 struct SplatCloud {
   PointArray<Eigen::Vector3d> position;  ///< means
   PointArray<Eigen::Vector3f> scale;     ///< standard deviations along the rotated axes, object units, ≥ 0
@@ -37,9 +36,9 @@ struct SplatCloud {
   /// blue. The colour is max(0, ½ + Σ coefficient · basis(direction from eye to splat)), in `colors` values.
   PointArray<float> harmonics;
   PointArray<Eigen::Vector3f> velocity;  ///< object units per frame; empty: the splats stand still
-  /// The frame at which positions hold, where there are velocities; training time 0 where there is `motion`.
+  /// With velocities, the frame at which positions hold; with `motion`, the frame of training time 0.
   double frame = 0.0;
-  /// Of splats that move, turn and fade by themselves, and then there are no velocities.
+  /// The trained motion of splats that move, turn and fade by themselves; these have no velocities.
   std::optional<SplatMotion> motion;
   bool flat = false;  ///< 2D splats: scale z is 0 and a ray meets the disc (Huang et al. 2024)
   SplatFilter filter = SplatFilter::dilated;

@@ -1,9 +1,10 @@
 // How splats of a scene that was trained in motion move, turn and fade by themselves.
 //
 // Source: Li et al. 2024, Spacetime Gaussian Feature Splatting, the "lite" model. Time is that of training: 0
-// is the first of the pictures, 1 is one picture beyond the last. With Δt = time − center
-//   position + path₁ Δt + path₂ Δt² + path₃ Δt³,   rotation + Δt turn (normalised),   opacity · e^−(Δt /
-//   duration)²
+// is the first of the pictures, 1 is one picture beyond the last. With Δt = time − center a splat has
+//   position + path₁ Δt + path₂ Δt² + path₃ Δt³,
+//   rotation + Δt · turn, normalised,
+//   opacity · exp(−(Δt / duration)²).
 #pragma once
 
 #include <array>
@@ -19,14 +20,14 @@ namespace SWEPT_API swept {
 
 struct SplatCloud;
 
-/// Frames that a clip is taken to have where nobody says it: the number of pictures that SpacetimeGaussians'
-/// own settings train on at once.
+/// The length of a clip, in frames, if nobody gives it: the number of pictures that the settings of
+/// SpacetimeGaussians train on at once.
 inline constexpr double usual_clip_frames = 50.0;
 
-/// Every array has an entry for each splat of a cloud, which holds what they are at Δt = 0.
+/// Every array has an entry for each splat of a cloud; the cloud has the splats at Δt = 0.
 struct SplatMotion {
-  std::vector<float> center;                         ///< τ
-  std::vector<float> duration;                       ///< above 0
+  std::vector<float> center;                         ///< training time
+  std::vector<float> duration;                       ///< in training time, above 0
   std::vector<std::array<Eigen::Vector3f, 3>> path;  ///< object units per time, time² and time³
   std::vector<Eigen::Vector4f> turn;  ///< w x y z per time, added to the cloud's unit quaternion
   /// Frames from training time 0, which is SplatCloud::frame, to 1; above 0. Files do not say it.
@@ -37,8 +38,8 @@ struct SplatMotion {
   [[nodiscard]] Status validate(std::size_t splats) const;
 };
 
-/// The cloud as it stands at that time of training, without velocities and motion of its own. A rotation that
-/// comes to nothing is the cloud's own. Precondition: motion.validate(cloud.size()).
+/// The cloud at a training time, without velocities and motion. A rotation whose sum is zero is replaced by
+/// the cloud's own. Precondition: motion.validate(cloud.size()).
 [[nodiscard]] SplatCloud splats_at(const SplatCloud& cloud, const SplatMotion& motion, double time);
 
 }  // namespace swept

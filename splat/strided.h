@@ -1,4 +1,4 @@
-// A caller's own array: numbers that lie in memory in even steps, and belong to someone else.
+// A view of a caller's array: values at even steps in memory, which belong to the caller.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ namespace SWEPT_API swept {
 /// Indices of three points, counter-clockwise as seen from the front.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Colours beyond this either way are refused: sums and products of larger ones leave single precision.
+/// Colours beyond ± this are refused: sums and products of larger ones leave the range of float.
 inline constexpr float most_color = 1e30f;
 
 /// Where the discs of a cloud are at one instant, in object space. The arrays may be views of the caller's
@@ -41,7 +41,8 @@ struct SurfelKey {
   SurfelPose pose;
 };
 
-/// What a cloud's keys say of its path (model section 7). Outside the first and the last key it is held.
+/// How a cloud's path follows from its keys (model section 7). Before the first key and after the last the
+/// cloud is held.
 enum class KeyPath {
   linear,  ///< straight from key to key
   /// A cubic through the keys, in position and axes. Its velocity at a key is that of the parabola through it
@@ -59,7 +60,7 @@ struct LookKey {
   PointArray<float> opacity;          ///< empty: 1
 };
 
-/// From when until when a point exists: at `born`, and no longer at `gone`. Absolute frames.
+/// When a point exists: in [born, gone), absolute frames.
 struct Lifetime {
   double born, gone;
 };
@@ -78,18 +79,18 @@ struct SurfelCloud {
   std::vector<Lifetime> lifetime;     ///< empty: all points exist at any time
   PointArray<Eigen::Vector3f> color;  ///< linear Rec.709, not premultiplied; empty: white
   PointArray<float> opacity;          ///< [0, 1]; empty: 1
-  /// Not empty: what a point looks like changes, and these hold in place of `color` and `opacity`. From key
-  /// to key light and opacity change evenly: colours times opacity, and opacity, are linear in time. Before
-  /// the first key and after the last they are held. Frames increase; they need not be those of `keys`.
+  /// Colours and opacities that change; if there are any, they replace `color` and `opacity`. Between two
+  /// keys opacity, and colour times opacity, are linear in time. Before the first key and after the last they
+  /// are held. Frames increase; they need not be those of `keys`.
   std::vector<LookKey> looks;
-  /// 1: a₁ × a₂ is known to point outside, so that the disc has a front and a back, which are two surfaces;
-  /// 0: it may point either way. Empty: 0 for all.
+  /// 1: a₁ × a₂ is known to point outside, so that the disc's front and back are two surfaces. 0: it may
+  /// point either way. Empty: 0 for all.
   PointArray<std::uint8_t> oriented;
 
   [[nodiscard]] std::size_t size() const { return keys.empty() ? 0 : keys.front().pose.size(); }
   [[nodiscard]] bool is_oriented(std::size_t i) const { return !oriented.empty() && oriented[i] != 0; }
-  /// Whether anything but looks changes over time: rates that are all zero are none. These look at every
-  /// point.
+  /// Whether anything but looks changes over time; rates that are all zero do not count. This and the next
+  /// two functions take time linear in the points.
   [[nodiscard]] bool moves() const;
   [[nodiscard]] bool accelerates() const;
   [[nodiscard]] bool spins() const;
@@ -115,20 +116,20 @@ struct SurfelInstant {
 };
 [[nodiscard]] SurfelInstant surfel_at(const SurfelCloud& cloud, std::size_t i, double frame);
 
-/// A place on the paths of a cloud, the same for all of its points: a weighted sum of what the cloud holds.
+/// A time on the paths of a cloud, as the weights of what the cloud holds; they are the same for all points.
 struct PathWeights {
   struct Share {
     std::size_t key;
     double weight;
   };
   std::size_t base = 0;                       ///< key from which the others are measured
-  std::vector<Share> others;                  ///< base + Σ weight (key − base), positions and axes alike
-  double velocity = 0.0, acceleration = 0.0;  ///< of which so much is added to the position
-  double elapsed = 0.0;                       ///< frames that discs have turned for
+  std::vector<Share> others;                  ///< base + Σ weight (key − base), for positions and axes
+  double velocity = 0.0, acceleration = 0.0;  ///< their factors in the position: frames and frames²
+  double elapsed = 0.0;                       ///< frames for which discs have turned
 };
 
-/// Positions and axes of many points of one cloud, which must outlive it: what does not depend on the point
-/// is found once.
+/// Positions and axes of many points of one cloud at one time; what does not depend on the point is computed
+/// once. The cloud must outlive it.
 class SurfelsAt {
  public:
   SurfelsAt(const SurfelCloud& cloud, double frame);
@@ -162,11 +163,11 @@ class SurfelsAt {
   PathWeights weights_;
 };
 
-/// Moves every point along its own path, so that it is at its key's pose at stamps[i], an absolute frame, and
-/// no longer at the key's own frame. The cloud has one key and rates, or none. Errors: several keys, a wrong
-/// count, stamps that are not finite, paths that leave a float's range.
+/// Shifts the path of every point in time, so that it is at its key's pose at stamps[i], an absolute frame,
+/// instead of at the key's frame. The cloud has one key, with or without rates. Errors: several keys, a wrong
+/// count, stamps that are not finite, paths that leave the range of float.
 [[nodiscard]] Status shift_to_stamps(SurfelCloud& cloud, const std::vector<double>& stamps);
-/// Axes of a round disc of the given radius facing `normal` (any length > 0), a₁ × a₂ along it.
+/// Axes of a round disc of the given radius, with a₁ × a₂ along `normal` (of any length > 0).
 void round_disc(const Eigen::Vector3d& normal, double radius, Eigen::Vector3f& axis_u,
                 Eigen::Vector3f& axis_v);
 

@@ -15,8 +15,8 @@ namespace SWEPT_API swept {
 
 /// How the reference places the discs at an instant.
 enum class ReferenceMotion {
-  /// Along the linear segments of build_kernels(): the very motion that the stochastic method and the GPU
-  /// passes see, and the exact method without AbufferOptions::parabolas.
+  /// Along the linear segments of build_kernels(): the motion that the stochastic method and the GPU passes
+  /// see, and the exact method if AbufferOptions::parabolas is false.
   segments,
   smooth,  ///< along the true path: curves, turning axes and the pixel filter are exact at every instant
 };
@@ -38,13 +38,14 @@ struct ReferenceOptions {
 /// Smoother signals have the ratio 9 or more. So the root mean square difference over √6 is the error of
 /// the N-sample image where it jumps, and an upper estimate where it does not.
 ///
-/// Statistics: "samples" N; "instants" still images rendered in all; "fragments" and "surfaces" of all of
-/// these; "reference_error_rmse" that estimate, on linear RGB, and "reference_error_psnr_db" the same for
-/// peak 1 (+∞ where the error is 0); and what KernelSet counts, which for smooth motion is that of the last
-/// instant. The stages overlap in one case: "kernels" of smooth motion is part of the other two.
+/// Statistics: "samples" is N, "instants" the still images rendered in all, "fragments" and "surfaces" those
+/// of all these; "reference_error_rmse" is that estimate, on linear RGB, and "reference_error_psnr_db" the
+/// same for peak 1 (+∞ where the error is 0). The counts of KernelSet are included; for smooth motion they
+/// are those of the last instant. The stages overlap in one case: with smooth motion, "kernels" is part of
+/// the other two.
 ///
-/// A scene with Gaussian splats, whatever else is in it, is that of render_splat_reference(), with its
-/// statistics and along true paths; of `control` it looks at the threads.
+/// A scene with Gaussian splats, whatever else is in it, is rendered by render_splat_reference(): along true
+/// paths, with its statistics. control.max_bytes has no effect then.
 ///
 /// Errors: options, control or scene out of range, not enough memory, and a render that was stopped.
 /// control.max_bytes bounds the discs' kernels.

@@ -10,12 +10,12 @@
 
 namespace SWEPT_API swept {
 
-/// Over what a pixel's colour is divided by its weights (model section 1.3).
+/// Over which time a pixel's colour is divided by its weights (model section 1.3).
 enum class Normalisation {
-  /// Every visible interval by itself, each colour with the alpha that it has there: what the image is.
+  /// Over every visible interval by itself, with the alpha that the colour has there: the model's image.
   interval,
-  /// The whole exposure at once, as Heinzle et al. 2010 do, here over all visible surfaces and after hidden
-  /// fragments are gone: rgb = A · Σ T Σₖ wₖ∫ρₖ / Σ T Σₖ oₖ∫ρₖ, with A the pixel's alpha, T the light left in
+  /// Over the whole exposure at once, as Heinzle et al. 2010 do, here for all visible surfaces without the
+  /// hidden fragments: rgb = A · Σ T Σₖ wₖ∫ρₖ / Σ T Σₖ oₖ∫ρₖ, with A the pixel's alpha, T the light left in
   /// front of a surface, wₖ and oₖ a kernel's premultiplied colour and opacity. Alpha and depth are those of
   /// `interval`, and so is the colour where a single surface is seen that does not change.
   pixel,
@@ -25,12 +25,12 @@ enum class Normalisation {
 struct PixelSum {
   double rgba[4] = {0.0, 0.0, 0.0, 0.0};
   double depth = 0.0;
-  double opacity =
-      0.0;  ///< Normalisation::pixel alone: the divisor of what rgba has of colours until finish()
-  DepthSum* by_depth = nullptr;  ///< also gathers what is added, where it is there; Normalisation::interval
+  /// Only for Normalisation::pixel: what finish() divides the colours of rgba by.
+  double opacity = 0.0;
+  DepthSum* by_depth = nullptr;  ///< or null; gathers by depth what is added; for Normalisation::interval
 };
 
-/// Where a surface is as a piece of time begins, and where as it ends.
+/// The depths of a surface, camera-space units, where a piece of time begins and where it ends.
 struct DepthSpan {
   double from, to;
 };
@@ -75,9 +75,9 @@ class SurfaceModel {
     return 1.0f / (hard_ || surface.weight >= edge_weight_ ? surface.weight : edge_weight_);
   }
 
-  /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is what
-  /// is left of the light, before and after. `span` says where it is, for pixel.by_depth; else it is at its
-  /// mean depth.
+  /// Puts `surface` behind what the pixel has, for a share `duration` of the shutter. `transmittance` is the
+  /// light that is left, in [0, 1]; it is updated. `span` are the depths of the surface for pixel.by_depth;
+  /// without it the surface is at its mean depth.
   void add(const SurfaceSum& surface, double duration, float& transmittance, PixelSum& pixel,
            const DepthSpan* span = nullptr) const {
     const float factor = scale(surface);

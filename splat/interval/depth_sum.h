@@ -1,4 +1,4 @@
-// What of a pixel's light comes from where in depth.
+// A pixel's light by depth.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace SWEPT_API swept {
 
-/// A stretch of depth, camera-space units, and what of the pixel's premultiplied RGBA is seen there.
+/// A range of depth, camera-space units, and the part of the pixel's premultiplied RGBA that is seen there.
 struct DepthPart {
-  std::uint32_t slab;
-  float near, far;  ///< within the slab
+  std::uint32_t slab;  ///< the upper 16 bits of its depths as floats
+  float near, far;     ///< within the slab
   float rgba[4];
 };
 
@@ -19,8 +19,8 @@ struct DepthPart {
 /// upper 16 bits change. So parts never overlap, and what they hold depends on no order of tiles or threads.
 class DepthSum {
  public:
-  /// Light that is spread evenly from one depth to another, either way round; from == to is a point. Depths
-  /// are above 0. May take light away from where other calls put it.
+  /// Adds light that is spread evenly from one depth to another, in either order; from == to is a point.
+  /// Depths are above 0. The light may be negative, to take away what other calls added.
   void add(double from, double to, const double (&rgba)[4]);
 
   [[nodiscard]] const std::vector<DepthPart>& parts() const { return parts_; }  ///< front to back

@@ -15,14 +15,13 @@
 
 namespace SWEPT_API swept {
 
-/// Linear, premultiplied RGBA, and the depth tolerance and the side that travel with it: what fragments of
-/// one kernel share that show the same side.
+/// What all fragments of one kernel share that show the same side: linear, premultiplied RGBA, the depth
+/// tolerance and the side.
 struct Shade {
   float rgba[4];
-  float depth_tolerance;
+  float depth_tolerance;  ///< camera-space units, at t_mid
   Side side = Side::unknown;
-  float tolerance_rate = 0.0f,
-        t_mid = 0.0f;  ///< depth_tolerance changes by so much per unit of τ about t_mid
+  float tolerance_rate = 0.0f, t_mid = 0.0f;  ///< change of depth_tolerance per unit of τ; shutter time
 
   [[nodiscard]] float tolerance_at(float time) const {
     return std::max(0.0f, depth_tolerance + (time - t_mid) * tolerance_rate);
@@ -40,7 +39,8 @@ struct ShadeChange {
   }
 };
 
-/// Grows, never shrinks, and is reused from window to window: no allocation per fragment.
+/// Fragments by column; entries from `count` on mean nothing. The arrays grow, never shrink, and are reused
+/// from window to window, so that there is no allocation per fragment.
 struct FragmentArrays {
   std::vector<std::uint32_t> pixel;   ///< row-major index within the window
   std::vector<std::uint32_t> kernel;  ///< index of its Shade

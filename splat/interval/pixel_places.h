@@ -1,4 +1,4 @@
-// Where in a pixel triangles are looked at. Source: model section 15.
+// The places of a pixel at which triangles are sampled. Source: model section 15.
 #pragma once
 
 #include "splat/export.h"

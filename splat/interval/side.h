@@ -15,7 +15,7 @@ enum class Side : std::uint32_t { unknown = 0, front = 1, back = 2 };
 [[nodiscard]] constexpr bool both_sides(Side a, Side b) {
   return both_sides(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
 }
-/// Of fragments that are equally near those of the least rank lead.
+/// Of fragments that are equally near, those of the least rank lead.
 [[nodiscard]] constexpr int rank_of(Side side) {
   return side == Side::front ? 0 : side == Side::unknown ? 1 : 2;
 }

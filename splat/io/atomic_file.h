@@ -10,10 +10,10 @@
 
 namespace SWEPT_API swept {
 
-/// What becomes of a file that has appeared at the path since it was asked for.
+/// What commit() does if there is a file at the path.
 enum class IfExists {
-  replace,
-  fail,  ///< an error, and the file stays as it is
+  replace,  ///< the new file takes its place
+  fail,     ///< commit() is an error, and the file stays as it is
 };
 
 /// A file being written under a temporary name in the folder of its final path.
@@ -23,9 +23,9 @@ enum class IfExists {
 /// that it leads to is written, and the link stays. Not synchronised to disk.
 class AtomicFile {
  public:
-  /// Creates the temporary `path`.tmpN, N the first free number; a shorter name where that is too long. A
-  /// temporary that its writer left behind, as one that was killed does, is taken away. Errors name `path`:
-  /// folders, pipes and devices in its place, and whatever the file system objects to.
+  /// Creates the temporary `path`.tmpN, N being the first free number, or a shorter name if that is too long.
+  /// A temporary that a killed writer left behind is removed. Errors name `path`: a folder, pipe or device in
+  /// its place, and what the file system objects to.
   [[nodiscard]] static Result<AtomicFile> create(const std::string& path);
 
   AtomicFile(AtomicFile&& other) noexcept;
@@ -49,11 +49,11 @@ class AtomicFile {
   int slot_ = -1;  // in the list that remove_temporaries() goes through; -1: none
 };
 
-/// The whole file at once, in the same way.
+/// Writes a whole file at once, as an AtomicFile does. Errors: as create() and commit().
 [[nodiscard]] Status write_file(const std::string& path, std::string_view content);
 
-/// Removes the temporaries of all AtomicFiles of this process, none of which can be committed any more. For a
-/// signal handler that ends the process: async-signal-safe.
+/// Removes the temporaries of all AtomicFiles of this process; none of these can be committed after that.
+/// Async-signal-safe, for a signal handler that ends the process.
 void remove_temporaries() noexcept;
 
 }  // namespace swept

@@ -22,13 +22,13 @@ enum class VelocityUnit { per_second, per_frame, ignore };
 /// What the time stamps of a file's points are measured in.
 enum class StampUnit { seconds, frames };
 
-/// How points of a single file that were each seen at a time of their own are read (model section 7).
+/// How to read a single file of which each point was seen at a time of its own (model section 7).
 struct TimeStamps {
   StampUnit unit = StampUnit::seconds;
   double zero = 0.0;  ///< the stamp of a point that was seen at the file's frame
-  /// Where the sensor was: each point stands where this has it at its own time, and stays there; and turned
-  /// likewise. None: points are in the object's space, and move there by their own rates from their own time
-  /// on.
+  /// The pose of the sensor. Each point is placed and turned by the pose at its own time, and stays there. No
+  /// keys: points are in the object's space, are at their place at their own time, and move by their own
+  /// rates.
   TransformTrack sensor = {};
 };
 
@@ -39,8 +39,8 @@ struct KeyFile {
 };
 
 struct CloudSource {
-  /// At strictly increasing frames. One file may carry velocities. Several are keys of the same points:
-  /// matched by id where the files have ids, else point i is point i in all of them.
+  /// At strictly increasing frames. A single file may have velocities. Several files are keys of the same
+  /// points, which are matched by id if the files have ids; else point i is point i in all of them.
   std::vector<KeyFile> files;
   std::map<std::string, std::string> attributes;  ///< as ReadOptions::attributes
   VelocityUnit velocity_unit = VelocityUnit::per_second;
@@ -48,10 +48,10 @@ struct CloudSource {
   std::optional<double> radius;          ///< every disc becomes round with this radius, object units, > 0
   double radius_scale = 1.0;             ///< multiplies whatever the radii are, > 0
   std::optional<Eigen::Vector3f> color;  ///< linear Rec.709, replaces the file's colours
-  /// As color_by_normals(), but of estimated normals, whose side is not known, the side toward
-  /// `normals_toward`; not together with `color`.
+  /// Colour as color_by_normals() does. Of estimated normals, whose side is not known, the side toward
+  /// `normals_toward` is shown. Not together with `color`.
   bool color_by_normals = false;
-  Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
+  Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< object space, not zero
   bool skip_invalid = false;              ///< as ReadOptions::skip_invalid; single files only
   std::optional<double> color_range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> color_space;  ///< as ReadOptions::color_space
@@ -59,38 +59,40 @@ struct CloudSource {
   KeyPath path = KeyPath::linear;         ///< of several files
   std::optional<TimeStamps> stamps;       ///< of a single file
   bool texture = false;                   ///< as ReadOptions::texture
-  /// Triangles are to be drawn, of files that have them: a₁ × a₂ is along the normals that the file gives,
-  /// and else along mesh_normals() of each key.
+  /// The triangles of files that have them are to be drawn: a₁ × a₂ is along the file's normals, or, if there
+  /// are none, along the mesh_normals() of each key.
   bool triangles = false;
   bool materials = false;  ///< as ReadOptions::materials
-  /// A file that says it has no points (ErrorKind::empty) is a time at which there are none, as in a
-  /// simulation before its first particles: those of the files beside it exist until, and from, halfway to
-  /// it. Else it is an error.
+  /// true: a file that says it has no points (ErrorKind::empty) is a time at which there are none, as in a
+  /// simulation before its first particles. The points of the file before it exist until halfway to it, those
+  /// of the file after it from halfway on. false: such a file is an error.
   bool may_be_empty = false;
-  /// Of `triangles`: those that meet at a greater angle, degrees, do not share a normal, nor do those whose
-  /// corners the file gives different ones; points become several where that takes it. [0, 180]; none: all
-  /// triangles about a point share its normal. Not of sequences whose points come and go.
+  /// For `triangles`, degrees in [0, 180]: triangles that meet at a greater angle do not share a normal, nor
+  /// do triangles to whose corners the file gives different normals. Points are copied where that takes it.
+  /// None: all triangles about a point share its normal. Not for sequences whose points come and go.
   std::optional<double> crease_angle;
 };
 
-/// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it came about.
+/// A cloud that satisfies SurfelCloud::validate(), and what a person should know about how it was made.
 struct LoadedCloud {
   SurfelCloud cloud;
   std::vector<Triangle> triangles;              ///< of meshes, between points of the cloud
-  std::vector<TextureCorners> texture_corners;  ///< one a triangle, if they were asked for and are there
-  MaterialNames materials;                      ///< likewise, with the path of the file that has them
-  std::string materials_of;
-  std::vector<std::uint32_t> copies;  ///< what the last points are copies of, at creases
-  /// Of the first file read, until creases are found: whether it gives a point's normal, and those of
-  /// corners.
+  std::vector<TextureCorners> texture_corners;  ///< one a triangle, if asked for and in the file
+  MaterialNames materials;                      ///< likewise
+  std::string materials_of;                     ///< the path of the file that has the materials
+  /// At creases points are copied; copy i is the point cloud.size() − copies.size() + i, of point copies[i].
+  std::vector<std::uint32_t> copies;
+  /// Of the first file read, until creases are found: whether it gives each point's normal, and the normals
+  /// of corners.
   std::vector<std::uint8_t> smooth;
   std::vector<CornerNormals> corner_normals;
-  std::vector<std::string> notes;  ///< with the file's path where there are several
-  ReadReport report;  ///< of the file whose colours the cloud has, with what joining several had to assume
+  std::vector<std::string> notes;  ///< with the file's path if there are several files
+  /// Of the file whose colours the cloud has, with what had to be assumed to join several files.
+  ReadReport report;
 };
 
-/// Colours every point by its first key's normal n, (n + 1)/2 as linear RGB: shape to look at where a file
-/// has none. Errors: as SurfelCloud::validate(), or no key; the cloud is then as it was.
+/// Colours every point by the normal n of its first key, as linear RGB (n + 1)/2, so that a cloud without
+/// colours shows its shape. Errors: as SurfelCloud::validate(), or no key; the cloud is then unchanged.
 [[nodiscard]] Status color_by_normals(SurfelCloud& cloud);
 
 /// Reads the keys needed to know the cloud over frames [first, last]: the one at or before `first`, the one
@@ -98,23 +100,28 @@ struct LoadedCloud {
 /// nearest points. Discs are oriented where the first file read has a normal or triangles for them. Every
 /// key's axes are aligned to those of the key before.
 ///
-/// Colours by normals that turn by more than an 8-bit step over [first, last] are looks, at the keys, or as
-/// often as discs that spin need it. Colours and opacities that differ between the files read are looks, of
-/// all of them. A file without them has those of the cloud's own, which, as triangles, are those of the first
-/// file read if there are no ids. With ids, they are those of the file nearest to the middle of [first, last]
-/// (the earlier of two), whose points come first. A point that not all files have exists from halfway after a
-/// file without it until halfway before the next: lifetimes, if that is within [first, last]; it moves there
-/// along its velocity, or stands still, which is told in the report. If counts differ and there are no ids,
-/// the cloud is that nearest file alone, if it has rates. Where [first, last] reaches beyond the files,
-/// points move on along the rates of the file at that end, if it has any and is that nearest one; else they
-/// are held.
+/// The reference file is the first file read if there are no ids; with ids it is the file nearest to the
+/// middle of [first, last] (the earlier of two), and its points come first. The cloud's own colours and
+/// opacities, and its triangles, are those of the reference file.
 ///
-/// Errors: as read_points, counts that differ between files otherwise, frames that do not increase, options
-/// out of range.
+/// - Looks: colours and opacities that differ between the files read become looks; a file without them has
+/// the
+///   cloud's own. Colours by normals become looks if the normals turn by more than an 8-bit step over
+///   [first, last]: at the keys, or as often as discs that spin need it.
+/// - Ids: a point that not all files have exists from halfway after a file without it until halfway before
+/// the
+///   next. It has a lifetime if that is within [first, last]. There it moves along its velocity, or stands
+///   still, and the report says so.
+/// - Counts that differ, without ids: the cloud is the file nearest to the middle alone, if that has rates.
+/// - Beyond the files: points move on along the rates of the file at that end, if it has any and is the
+///   nearest to the middle; else they are held.
+///
+/// Errors: as read_points(); counts that differ in other cases; frames that do not increase; options out of
+/// range.
 [[nodiscard]] Result<LoadedCloud> read_cloud(const CloudSource& source, double first, double last);
 
-/// The single-key cloud of points already in memory, at `frame`. `source.files` is not looked at. Errors: as
-/// PointSet::validate(), as surfels_from_cloud(), a frame that is not finite, options out of range.
+/// The cloud, with a single key at `frame`, of points that are in memory. `source.files` is not used. Errors:
+/// as PointSet::validate() and surfels_from_cloud(), a frame that is not finite, options out of range.
 [[nodiscard]] Result<LoadedCloud> cloud_from_points(PointSet points, double frame, const CloudSource& source);
 
 }  // namespace swept

@@ -1,4 +1,4 @@
-// Points as a file stores them, before anything decides how they move or how large they are.
+// Points as a file stores them, before it is decided how they move or how large they are.
 //
 // Formats, by extension: .ply (ASCII, both binary byte orders), .pcd, columns of text (.xyz .txt .asc .csv
 // .pts .xyzn .xyzrgb), .obj, .off.
@@ -25,38 +25,38 @@ enum class ColorSpace { linear, srgb };
 
 /// Which properties of a file mean what, and what to do with bad rows.
 struct ReadOptions {
-  /// Attribute → comma-separated property names of the file, in place of the usual names, of which
-  /// splat/io/attribute_names.cpp has the table. The attributes:
+  /// Attribute → comma-separated property names of the file, in place of the usual names
+  /// (splat/io/attribute_names.cpp has the table of these). The attributes:
   ///   position, normal, velocity, acceleration, angular_velocity
   ///                                three properties, or one that holds three numbers
   ///   color                        three or, with alpha, four
   ///   radius, width (a diameter), opacity, intensity (a grey where there is no colour), id,
   ///   time                         when a point was seen; read only if `stamps` or its name here asks for it
-  /// An empty string leaves the attribute unread. Case does not matter where nothing else fits. Columns of a
-  /// text file are named 1, 2, 3, …, besides what its header calls them.
+  /// An empty string leaves the attribute unread. Case is ignored if no name fits otherwise. Columns of a
+  /// text file also have the names 1, 2, 3, …
   std::map<std::string, std::string> attributes;
   double delta = 3.0;  ///< δ of the kernel that Gaussian files are fitted to, > 0
-  /// What a full channel is stored as, > 0. By default what the type says, 255 or 65535, or 1 for reals; if
-  /// the numbers say otherwise, they decide, and the report says so.
+  /// The number that a full channel is stored as, > 0. By default it is that of the type: 255, 65535, or 1
+  /// for reals. If the numbers show another one, that is taken, and the report says so.
   std::optional<double> color_range;
-  /// By default linear for reals up to 1, else sRGB. Of intensities, sRGB.
+  /// By default linear for reals up to 1, else sRGB; intensities are sRGB.
   std::optional<ColorSpace> color_space;
   bool stamps = false;  ///< read `time` by its usual names
   bool texture =
       false;  ///< read texture coordinates: OBJ's vt, PLY's s and t of vertices or texcoord of faces
   bool materials = false;       ///< read OBJ's usemtl and mtllib, by name, and vt where corners have them
-  bool corner_normals = false;  ///< read OBJ's vn where corners of faces name them; else of points alone
-  bool split_normals = false;   ///< keep what corner_normals reads by corner, too
+  bool corner_normals = false;  ///< read OBJ's vn by the corners of faces; false: only normals of points
+  bool split_normals = false;   ///< also keep by corner what corner_normals reads
   bool skip_invalid = false;    ///< drop points with NaN or infinite numbers; else they are an error
 };
 
 /// Normals that a file gives the corners of a triangle: unit length, or zero where it gives none.
 using CornerNormals = std::array<Eigen::Vector3f, 3>;
 
-/// Which materials the triangles of an OBJ file are made of, by name.
+/// The materials of the triangles of an OBJ file, by name.
 struct MaterialNames {
-  std::vector<std::string> files;          ///< as mtllib says them
-  std::vector<std::string> names;          ///< as usemtl does; the first is "", of faces before any
+  std::vector<std::string> files;          ///< the names after mtllib
+  std::vector<std::string> names;          ///< the names after usemtl; the first is "", for faces before any
   std::vector<std::uint32_t> of_triangle;  ///< indices of names
   std::vector<std::uint8_t> on_texture;    ///< by triangle: whether all its corners have a place on a texture
 };
@@ -83,7 +83,7 @@ struct PointSet {
 
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
-  /// There are points, counts agree, every number is finite and in its range, corners of triangles are
+  /// There are points, counts agree, every number is finite and in its range, and corners of triangles are
   /// points. Normals may have any length. The error's field names the array and the first offending index;
   /// its file is left for the caller to fill in.
   [[nodiscard]] Status validate() const;

@@ -10,7 +10,7 @@
 
 namespace SWEPT_API swept {
 
-/// Of one file. Points, colours and so on stand in the PointSet; this says where they came from.
+/// The report on one file. Points, colours and so on are in the PointSet; this says where they came from.
 struct ReadReport {
   struct Use {
     std::string attribute;                ///< as in ReadOptions::attributes; also "alpha"
@@ -18,21 +18,21 @@ struct ReadReport {
     bool operator==(const Use&) const = default;
   };
   std::vector<Use> used;
-  std::vector<std::string> unread;   ///< properties that nothing was made of
+  std::vector<std::string> unread;   ///< properties that were not used
   std::vector<std::string> assumed;  ///< what the file does not say, one sentence each
   std::size_t points = 0;            ///< in the file
-  std::size_t dropped = 0;           ///< of them, for numbers that are not finite
+  std::size_t dropped = 0;           ///< of these, those with numbers that are not finite
 
   /// The properties that became `attribute`; empty if none did.
   [[nodiscard]] std::vector<std::string> properties_of(const std::string& attribute) const;
 
-  /// All of it for people, one line each: "read: …", "unread: …", "assumed: …". Numbered names are shortened
-  /// to "f_rest_0 to f_rest_44".
+  /// The report as lines for people: "read: …", "unread: …", "assumed: …". Numbered names are shortened to
+  /// "f_rest_0 to f_rest_44".
   [[nodiscard]] std::vector<std::string> lines() const;
 };
 
-/// "a, b, f_0 to f_44": names parted by commas, three and more numbered ones in a row shortened, unprintable
-/// characters shown as "?".
+/// "a, b, f_0 to f_44": names separated by commas, with three or more numbered ones in a row shortened and
+/// unprintable characters shown as "?".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
 }  // namespace swept

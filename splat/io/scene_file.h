@@ -33,7 +33,7 @@ struct GeneratorSource {
   std::map<std::string, double> parameters;  ///< "seed" is one of them
 };
 
-/// How files store colours, where their own numbers do not say it.
+/// How files store colours; what is not given is read from their own numbers.
 struct StoredColor {
   std::optional<double> range;      ///< as ReadOptions::color_range
   std::optional<ColorSpace> space;  ///< as ReadOptions::color_space
@@ -41,7 +41,7 @@ struct StoredColor {
 
 struct FileSource {
   std::string path;
-  double frame = 0.0;                             ///< when the points are where the file says
+  double frame = 0.0;                             ///< the frame at which points are where the file says
   std::map<std::string, std::string> attributes;  ///< as CloudSource::attributes
   StoredColor stored;
   bool skip_invalid = false;  ///< drop points that are not finite; else an error
@@ -56,45 +56,45 @@ struct SequenceSource {
   int step = 1;                    ///< from one number to the next, ≥ 1
   std::vector<int> numbers;        ///< increasing; instead of the three above
   int offset = 0;
-  bool gaps = false;   ///< files may be missing, and points move straight across; else an error
-  bool cycle = false;  ///< frame last + step is frame first again, and so on both ways; else held outside
+  bool gaps = false;   ///< files may be missing, and points move straight across; false: that is an error
+  bool cycle = false;  ///< frame last + step is frame first again, in both directions; false: held outside
   std::map<std::string, std::string> attributes;
   StoredColor stored;
 };
 
-/// As what a file's splats, points or meshes are drawn.
+/// What a file's splats, points or meshes are drawn as.
 enum class DrawAs { splats, surfels, triangles };
 
 /// Where an object's points come from, and what is done to them before they are rendered.
 struct ObjectSource {
   std::variant<GeneratorSource, FileSource, SequenceSource> points;
   std::string pointer;  ///< JSON pointer of the object, for messages
-  /// Without it, splats where a single file holds trained ones, else surfels.
+  /// None: as splats if a single file holds trained ones, else as surfels.
   std::optional<DrawAs> draw;
   std::string texture;                 ///< path of a picture for the triangles; empty: none
   std::optional<double> crease_angle;  ///< as CloudSource::crease_angle
   VelocityUnit velocity = VelocityUnit::per_second;
   std::optional<TimeStamps> stamps;                           ///< of a single file
   std::optional<Eigen::Vector3f> color;                       ///< linear; replaces the source's
-  bool color_by_normals = false;                              ///< the same, from each disc's normal
+  bool color_by_normals = false;                              ///< likewise, from each disc's normal
   Eigen::Vector3d normals_toward = Eigen::Vector3d::UnitZ();  ///< the side of normals that are estimated
   bool sideless = false;         ///< normals may point either way: no disc is oriented
   std::optional<double> radius;  ///< object units; discs become round
   double radius_scale = 1.0;
 };
 
-/// What a caller wants of the camera otherwise than the file says, whichever file it comes from.
+/// What a caller sets of the camera in place of what a file says, whichever file the camera comes from.
 struct CameraOverrides {
-  /// Of what the film shows, world units: the camera becomes orthographic. 0: as high as look-ats see at
-  /// their targets.
+  /// Makes the camera orthographic, with a film of this height, world units. 0: the height that look-ats see
+  /// at their targets.
   std::optional<double> height;
   bool no_lens = false;                          ///< everything is in focus
   std::optional<double> aperture;                ///< the lens's diameter, world units
-  std::optional<double> f_number, focal_length;  ///< the same by their quotient; world units
+  std::optional<double> f_number, focal_length;  ///< or the diameter as focal_length / f_number, world units
   struct Focus {
     double frame, distance;
   };
-  std::vector<Focus> focus;                ///< depth in focus, from key to key; one: whatever its frame
+  std::vector<Focus> focus;                ///< keys of the depth in focus; a single one holds at any frame
   std::optional<int> blades, lens_points;  ///< as in Aperture
   std::optional<double> rotation_degrees;
 
@@ -103,19 +103,19 @@ struct CameraOverrides {
   [[nodiscard]] std::vector<double> numbers() const;
 };
 
-/// What a caller wants otherwise than the file says.
+/// What a caller sets in place of what the file says.
 struct SceneOverrides {
   /// By the pointers of splat/fields.h, as in {"/film/width", {640}}. "/image/segments" is for all objects,
-  /// those that name their own included.
+  /// including those that name their own.
   FieldValues fields;
-  std::optional<DrawAs> draw;  ///< of all objects that have files
-  std::string texture;         ///< of all objects that are drawn as triangles; empty: as the file says
+  std::optional<DrawAs> draw;  ///< for all objects that have files
+  std::string texture;         ///< for all objects that are drawn as triangles; empty: as the file says
   std::optional<double> crease_angle;  ///< likewise
   double points_scale = 1.0;           ///< multiplies the point counts of generated objects; > 0
   /// Cameras of nerfstudio, instant-ngp, COLMAP or glTF, in place of the scene's camera; empty: none.
   std::string camera_file;
   CameraOverrides camera;
-  /// Of every key of a look-at camera, and of the view of points that come without a scene; not zero.
+  /// For every key of a look-at camera, and for the view of points that come without a scene; not zero.
   std::optional<Eigen::Vector3d> up;
 };
 
@@ -131,36 +131,37 @@ class SceneFile {
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const std::vector<ObjectSource>& sources() const { return sources_; }
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// JSON pointers of the members that the file itself has, and how many of each: 1, but for arrays called
-  /// "keys", which count their elements, and for the members of these, whose index is "*":
-  /// "/camera/keys/*/focus". Other arrays but "objects" are not looked into.
+  /// JSON pointers of the members that the file itself has, and how many there are of each. That is 1, except
+  /// for arrays called "keys", which count their elements, and for members of these, which are counted with
+  /// the index "*": "/camera/keys/*/focus". Of other arrays only "objects" is listed element by element.
   [[nodiscard]] const std::map<std::string, std::size_t>& members() const { return members_; }
 
   /// The scene with the clouds that the shutter at `frame` sees. Generated clouds and single files are loaded
-  /// once and kept; of a sequence only the files around the shutter are held. The scene belongs to this
-  /// object, and changes with the next call.
+  /// once and kept; of a sequence only the files around the shutter are kept. The scene belongs to this
+  /// object, and changes with the next call. Errors: files that cannot be read or do not fit the scene.
   [[nodiscard]] Result<const Scene*> scene_at(double frame, const Generator& generator);
 
-  /// Loads what scene_at(frame) will have to load, and keeps it for that call; what is kept for another frame
-  /// goes. Meant for another thread while a scene is rendered: it leaves the scene alone, but must not run at
-  /// the same time as any other function of this object that is not const, or hash(). What fails here fails
-  /// again there, and is told there. Does nothing where nothing is loaded frame by frame.
+  /// Loads what scene_at(frame) will need, and keeps it for that call; what was loaded ahead for another
+  /// frame is dropped. It is meant for another thread while a scene is rendered: it does not change the
+  /// scene, but must not run at the same time as hash() or any function of this object that is not const. An
+  /// error here occurs again in scene_at(), and is returned there. Does nothing if nothing is loaded frame by
+  /// frame.
   void load_ahead(double frame, const Generator& generator) noexcept;
 
-  /// Generates what scene_at(frame) will have to, several objects at once on so many threads (0: as many as
-  /// there are), and keeps it for that call. `generator` is called by all of them at once. What fails here
-  /// fails again there, and is told there.
+  /// Generates the clouds that scene_at(frame) will need, several objects at once on `threads` threads (0:
+  /// all), and keeps them for that call. All threads call `generator` at once. An error here occurs again in
+  /// scene_at(), and is returned there.
   void generate_ahead(double frame, const Generator& generator, int threads) noexcept;
 
-  /// What the scene was said to assume, and what the readers of the clouds of the last scene_at() read, left
+  /// What the scene assumes, and what the readers of the clouds of the last scene_at() read, did not read,
   /// and had to assume, e.g. estimated normals.
   [[nodiscard]] std::vector<std::string> notes() const;
 
-  /// What the picture of `frame` follows from, but for the method: the file's content without its layout, the
-  /// overrides, the frame, and size and content of the files that scene_at(frame) reads. FNV-1a, 64 bits, 16
-  /// hexadecimal digits. Errors: files that cannot be read.
+  /// A hash of all that the picture of `frame` depends on, except for the method: the file's content without
+  /// its layout, the overrides, the frame, and size and content of the files that scene_at(frame) reads.
+  /// FNV-1a, 64 bits, 16 hexadecimal digits. Errors: files that cannot be read.
   [[nodiscard]] Result<std::string> hash(double frame) const;
-  /// The same of the whole film, of which hash() may be a crop's.
+  /// hash() of the same picture without a crop.
   [[nodiscard]] Result<std::string> whole_hash(double frame) const;
 
  private:

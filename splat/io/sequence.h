@@ -10,17 +10,17 @@
 
 namespace SWEPT_API swept {
 
-/// The file of a sequence: "walk.####.ply" (as many digits as there are #), printf's "walk.%04d.ply" and
-/// "walk.%d.ply", Houdini's "walk.$F4.ply" and "walk.$F.ply". Longer numbers are never cut, and a minus sign
-/// counts as a digit. The placeholder is in the file's name; a folder's name is what it is. Errors: no
-/// placeholder, or more than one.
+/// The path of file `number` of a sequence. Patterns are "walk.####.ply" (as many digits as there are #),
+/// printf's "walk.%04d.ply" and "walk.%d.ply", and Houdini's "walk.$F4.ply" and "walk.$F.ply". Longer numbers
+/// are never cut, and a minus sign counts as a digit. The placeholder is in the file's name; names of folders
+/// are taken as they are. Errors: no placeholder, or more than one.
 [[nodiscard]] Result<std::string> sequence_path(const std::string& pattern, int number);
 
 /// Whether the file's name has a placeholder.
 [[nodiscard]] bool is_sequence_pattern(const std::string& path);
 
-/// sequence_path(), but of a negative number the file with the sign before all the digits where only that one
-/// exists: -0001 for -001.
+/// sequence_path(); but for a negative number the path with the sign before all the digits (-0001 for -001),
+/// if only that file exists.
 [[nodiscard]] Result<std::string> find_in_sequence(const std::string& pattern, int number);
 
 struct NumberedFile {
@@ -32,11 +32,11 @@ struct NumberedFile {
 /// such file, two files of one number.
 [[nodiscard]] Result<std::vector<NumberedFile>> list_sequence(const std::string& pattern);
 
-/// "1-100x2,120": ranges with an optional step ≥ 1, in the order given, each frame once. Errors: anything
-/// else, ranges that run backwards, more than a million frames.
+/// The frames of a text such as "1-100x2,120": ranges with an optional step ≥ 1, in the order given, each
+/// frame once. Errors: other texts, ranges that run backwards, more than a million frames.
 [[nodiscard]] Result<std::vector<int>> parse_frame_ranges(std::string_view text);
 
-/// The same the other way: "1-99x2,105" of increasing numbers.
+/// The inverse for increasing numbers: "1-99x2,105".
 [[nodiscard]] std::string frame_ranges_text(const std::vector<int>& frames);
 
 }  // namespace swept

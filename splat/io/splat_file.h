@@ -16,18 +16,19 @@
 
 namespace SWEPT_API swept {
 
-/// Which way y and z of a .spz file point. By the format right, up and back, where training has right, down
-/// and forward; but what converts PLY files to it leaves their axes as they are.
+/// How the axes of a .spz file are read. By the format they are right, up and back, while those of training
+/// are right, down and forward; but converters from PLY leave the axes as they are.
 enum class SpzAxes {
   automatic,      ///< as a record in the file says; else trained
-  trained,        ///< as they stand there
+  trained,        ///< as they are in the file
   right_up_back,  ///< y and z change sign
 };
 
 struct SplatReadOptions {
   bool skip_invalid = false;  ///< drop splats with NaN or infinite numbers; else they are an error
   SpzAxes spz_axes = SpzAxes::automatic;
-  /// Read splats that move by themselves, too, into LoadedSplats::motion; else they are an error.
+  /// Read the motion of splats that were trained in motion into LoadedSplats::motion; false: such files are
+  /// an error.
   bool motion = false;
 };
 
@@ -38,12 +39,12 @@ struct LoadedSplats {
   std::optional<SplatMotion> motion;  ///< of SpacetimeGaussians' PLY files, where asked for
 };
 
-/// Whether the name's extension is one of those that only splats have; .ply is not among them. So is the
-/// meta.json of a .sog that was unpacked, into which it looks.
+/// Whether only files of splats have such a name. That goes by the extension, and .ply is not among these; a
+/// meta.json is read to see whether it is that of an unpacked .sog.
 [[nodiscard]] bool is_splat_file_name(const std::string& path);
 
 /// Whether read_splats() is the reader for this file: its name says so, or it is a PLY file whose header
-/// declares trained splats. False where it cannot be read: the reader of points then says why.
+/// declares trained splats. False if it cannot be read; the reader of points then returns the error.
 [[nodiscard]] bool holds_splats(const std::string& path);
 
 /// Reads one file whole. Errors: unreadable or malformed files, no splats, variants that are not known,

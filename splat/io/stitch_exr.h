@@ -1,4 +1,4 @@
-// Crops of one frame, put together.
+// Puts crops of one frame together.
 #pragma once
 
 #include <string>
@@ -10,13 +10,14 @@
 
 namespace SWEPT_API swept {
 
-/// Writes to `path` the frame that the files `parts`, in any order, are crops of: all of their channels, bit
-/// for bit, and the header that the frame has when it is rendered whole. Parts may overlap where they agree.
-/// Deep images are put together likewise, sample by sample, line by line.
+/// Writes to `path` the frame of which the files `parts`, in any order, are crops: all of their channels, bit
+/// for bit, and the header that the frame has when it is rendered whole. Parts may overlap if they agree
+/// there. Deep images are put together likewise, sample by sample.
 ///
-/// Errors: parts that cannot be read, that say of no whole frame that they are a part of it or of different
-/// ones (their type, wholeHash, film, method or channels differ), that disagree where they overlap, and film
-/// that none of them covers: the message names the windows that are missing, as --crop has them.
+/// Errors: parts that cannot be read; parts that do not say which whole frame they are a part of, or are
+/// parts of different ones (their type, wholeHash, film, method or channels differ); parts that disagree
+/// where they overlap; film that none of them covers. The message of the last names the missing windows as
+/// --crop does.
 [[nodiscard]] Status stitch_exr(const std::vector<std::string>& parts, const std::string& path,
                                 IfExists existing = IfExists::replace);
 

@@ -21,11 +21,11 @@ namespace SWEPT_API swept {
 /// summation, first shell of the reciprocal grid): 0.6% at δ = 3, and no holes.
 inline constexpr double kRadiusPerSpacing = 1.25;
 
-/// Discs, and the points among them whose side is a guess: a₁ × a₂ may point either way.
+/// Discs, and which of them have a side that is a guess.
 struct EstimatedSurfels {
   SurfelPose pose;
-  std::vector<std::size_t> unoriented;  ///< increasing
-  bool oriented = false;                ///< of all others a₁ × a₂ is known to point outside
+  std::vector<std::size_t> unoriented;  ///< points whose a₁ × a₂ may point either way, increasing
+  bool oriented = false;  ///< whether a₁ × a₂ of all other points is known to point outside
   std::vector<std::string> notes;
 };
 
@@ -40,10 +40,10 @@ struct EstimatedSurfels {
     const std::vector<Eigen::Vector3d>& positions,
     const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-/// One round disc per point: normal, if the set has none, of the plane through the 12 nearest distinct
-/// points; radius, if it has none, kRadiusPerSpacing · the mean distance of the 6 nearest distinct
-/// points, at most 10 times the median radius. What is estimated is said in the notes; estimated normals are
-/// unoriented. Errors (file left empty): as PointSet::validate(), a radius is needed and all points coincide,
+/// One round disc per point. If the set has no normals, a point's normal is that of the plane through its 12
+/// nearest distinct points, and unoriented. If it has no radii, a point's radius is kRadiusPerSpacing · the
+/// mean distance of its 6 nearest distinct points, at most 10 times the median radius. The notes say what was
+/// estimated. Errors (file left empty): as PointSet::validate(), a radius is needed and all points coincide,
 /// discs beyond the range of float.
 [[nodiscard]] Result<EstimatedSurfels> surfels_from_cloud(const PointSet& points);
 

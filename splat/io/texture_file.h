@@ -9,10 +9,10 @@
 
 namespace SWEPT_API swept {
 
-/// Reads a picture by its name's extension. PNG: 8-bit values are sRGB unless the file says otherwise, 16-bit
-/// ones linear unless it says so; grey and palettes become colour. EXR: R, G, B and A as read_exr() does,
-/// linear and premultiplied. Errors: missing, truncated and corrupt files, other extensions, more than 2²⁸
-/// texels, alphas outside [0, 1].
+/// Reads a picture, by the extension of its name. PNG: 8-bit values are sRGB and 16-bit values linear, unless
+/// the file says otherwise; grey and palettes become colour. EXR: R, G, B and A as by read_exr(), linear and
+/// premultiplied. Errors: missing, truncated and corrupt files, other extensions, more than 2²⁸ texels,
+/// alphas outside [0, 1].
 [[nodiscard]] Result<Texture> read_texture(const std::string& path);
 
 }  // namespace swept

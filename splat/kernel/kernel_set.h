@@ -12,39 +12,44 @@
 
 namespace SWEPT_API swept {
 
-/// What a scene's kernels are, counted.
+/// Counts of a scene's kernels.
 struct KernelCounts {
   std::size_t surfels = 0;           ///< points of all objects
   int most_segments = 1;             ///< of any object
   std::size_t still_kernels = 0;     ///< kernels that do not move
   std::size_t standing_kernels = 0;  ///< of these, those of objects of which nothing moves
   std::size_t edge_on_kernels = 0;   ///< discs within 10⁻³ of being seen edge-on from the eye
-  std::size_t near_kernels = 0;      ///< kernels that reach to the near plane and beyond it
-  /// Segments whose disc has no area and no thickness on screen, or that are too large for numbers.
+  std::size_t near_kernels = 0;      ///< kernels that cross the near plane
+  /// Segments that are left out because their disc has neither area nor thickness on the film, or numbers
+  /// beyond range.
   std::size_t culled_degenerate = 0;
-  std::size_t culled_near = 0;  ///< wholly nearer than the near plane or behind the eye
+  std::size_t culled_near = 0;  ///< segments left out because they are nearer than the near plane throughout
 };
 
-/// All kernels of one frame, in an order that depends on their content alone: permuting a scene's points
-/// or objects changes nothing.
+/// All kernels of one frame, in an order that depends only on their content: permuting a scene's points or
+/// objects changes nothing.
 struct KernelSet : KernelCounts {
   std::vector<MovingKernel> kernels;
-  Projection
-      projection;     ///< of the film, at the middle of the shutter; a changing zoom is part of the motion
+  /// Of the film at the middle of the shutter; a zoom that changes is part of the kernels' motion.
+  Projection projection;
   double near = 0.0;  ///< camera-space depth, > 0
 };
 
-/// Cuts every surfel's path through camera space over the exposure into linear_segments(), or, where
-/// cuts_by_point() says so, each by itself (splat/motion/cut.h); one where nothing moves. Of points that come
-/// or go there is what exists. Where rows are exposed one after the other, segments run over the exposures of
-/// all of them, in the shutter time of the top row, so that times may lie outside [0, 1]. A segment has the
-/// mean velocity of its stretch of the path and, by Simpson's rule, its mean position: to first order a
-/// blurred image sees nothing else of it, and the chord between the path's ends misses the second. Axes,
-/// normal and pixel filter are those of its middle. Colours and opacities that change do so evenly within it.
-/// `scene` must satisfy validate(). Once `stop` asks for it, what is there by then is returned, in any order.
+/// Cuts every surfel's path through camera space over the exposure into linear segments: linear_segments() of
+/// them, or, where cuts_by_point() says so, each path by itself (splat/motion/cut.h); a single one if nothing
+/// moves. Points that come or go have kernels only for the time in which they exist.
+///
+/// A segment has the mean velocity of its piece of the path and, by Simpson's rule, its mean position. To
+/// first order a blurred image depends on nothing else; the chord between the ends of the piece would have
+/// another mean position. Axes, normal and pixel filter are those of the segment's middle. Colours and
+/// opacities that change are linear within it. If rows are exposed one after the other, segments run over the
+/// exposures of all rows, in the shutter time of the top row, so that times may lie outside [0, 1].
+///
+/// Precondition: scene.validate(). After a request to `stop`, the kernels made so far are returned, in any
+/// order.
 [[nodiscard]] KernelSet build_kernels(const Scene& scene, const Exposure& exposure,
                                       const std::stop_token& stop = {});
-/// The same over the scene's own exposure.
+/// build_kernels() over the scene's own exposure.
 [[nodiscard]] inline KernelSet build_kernels(const Scene& scene) {
   return build_kernels(scene, scene.exposure());
 }

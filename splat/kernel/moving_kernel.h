@@ -51,7 +51,8 @@ struct FilteredDisc {
 [[nodiscard]] FilteredDisc filter_disc(const Eigen::Vector3d& center, const Eigen::Vector3d& axis_u,
                                        const Eigen::Vector3d& axis_v, const PixelFilter& filter);
 
-/// One segment of one surfel, in camera space, filtered, linear but where it says. Shutter time τ ∈ [0, 1].
+/// One segment of one surfel, in camera space and filtered; linear in τ, unless `bend` is set. τ is
+/// shutter time, in [0, 1].
 struct MovingKernel {
   Eigen::Vector3d center;          ///< at τ = t_mid()
   Eigen::Vector3d velocity;        ///< m, per unit of τ; exactly zero: a still kernel
@@ -60,20 +61,20 @@ struct MovingKernel {
   /// The disc's normal on its outside: a ray sees the front where outside·d < 0, which holds for the whole
   /// segment. Zero: not known.
   Eigen::Vector3f outside = Eigen::Vector3f::Zero();
-  float t_begin = 0.0f, t_end = 1.0f;
-  float weight = 1.0f;           ///< of the filtered disc
-  float depth_tolerance = 0.0f;  ///< ε, camera-space units; at t_mid()
-  Eigen::Vector4f color;         ///< at t_mid(): linear, premultiplied by opacity; w is the opacity
+  float t_begin = 0.0f, t_end = 1.0f;  ///< shutter time
+  float weight = 1.0f;                 ///< of the filtered disc
+  float depth_tolerance = 0.0f;        ///< ε, camera-space units; at t_mid()
+  Eigen::Vector4f color;               ///< at t_mid(): linear, premultiplied by opacity; w is the opacity
   Eigen::Vector4f color_rate = Eigen::Vector4f::Zero();  ///< per unit of τ
-  /// Half of what the velocity changes by, per unit of τ: with s = τ − t_mid() and h = half_time() the disc
-  /// is at center + s·velocity + (s² − h²/3)·bend, whose mean is `center`. Zero: straight. bent_kernel.h.
+  /// Half of the acceleration: with s = τ − t_mid() and h = half_time() the disc is at center + s·velocity +
+  /// (s² − h²/3)·bend, whose mean over the segment is `center`. Zero: straight. See bent_kernel.h.
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
-  /// Of ε, per unit of τ: discs that come nearer are seen through a smaller filter. 0 where it changes by
+  /// Change of ε per unit of τ: discs that come nearer are seen through a smaller filter. 0 if ε changes by
   /// little.
   float tolerance_rate = 0.0f;
 
   [[nodiscard]] float t_mid() const { return 0.5f * (t_begin + t_end); }
-  /// It may change its colour for all that.
+  /// Whether the kernel stays in place; its colour may change.
   [[nodiscard]] bool still() const { return velocity.isZero(0.0); }
   /// Whether it is the same at all times of the exposure.
   [[nodiscard]] bool stays() const { return still() && !changes_color() && t_begin == 0.0f && t_end == 1.0f; }
@@ -83,8 +84,8 @@ struct MovingKernel {
     return 0.5 * (static_cast<double>(t_end) - static_cast<double>(t_begin));
   }
 
-  /// To be called once the times are those of a part of the segment: that part's middle is `later` than the
-  /// segment's, whose half_time() was `half_before`.
+  /// Makes a kernel that of a part of its segment, after its times were set to those of the part: the part's
+  /// middle is `later` than the segment's was, and the segment's half_time() was `half_before`.
   void keep_part(double later, double half_before) {
     center += later * velocity;
     if (tolerance_rate != 0.0f)

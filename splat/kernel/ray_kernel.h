@@ -1,4 +1,4 @@
-// A moving kernel seen along one viewing ray: the stretch of time it covers the pixel, its Gaussian in
+// A moving kernel seen along one viewing ray: the interval in which it covers the pixel, its Gaussian in
 // time, and its depth.
 //
 // Source: model section 2; Heinzle et al. 2010, Eq. 15 to 21, without the matrix inverse. Along a ray the
@@ -29,7 +29,7 @@ struct RayCoordinates {
   T du, dv, dz;
 };
 
-/// What of a kernel does not depend on the ray. With n = a₁ × a₂ and d = (x, y, 1)
+/// The part of a kernel that does not depend on the ray. With n = a₁ × a₂ and d = (x, y, 1)
 ///
 ///   u = d·(a₂ × c) / d·n,   v = d·(c × a₁) / d·n,   z = n·c / d·n,
 ///
@@ -40,8 +40,8 @@ struct RayCoordinates {
 /// Powers of two common to the axes, and to c and m, are taken out before anything is multiplied: no product
 /// overflows or underflows, and scaling a scene by a power of two changes no bit of (u, v).
 ///
-/// Errors of `along`, with ε the unit roundoff of T, |a| the larger of |a₁| and |a₂|, and N = Σ|nᵢdᵢ|, which
-/// is |n·d| but for cancellation near edge-on. (u, v) are those of a centre moved by ε|c| and
+/// Rounding errors of `along`, with ε the unit roundoff of T, |a| the larger of |a₁| and |a₂|, and N =
+/// Σ|nᵢdᵢ|, which is |n·d| but for cancellation near edge-on. (u, v) are those of a centre moved by ε|c| and
 ///   |Δu| ≤ ε (5 |a||c| (|x − c_x/c_z| + |y − c_y/c_z|) + |u| (4N + 2|n·d|)) / |n·d|,
 ///   |Δdu| ≤ ε (6 |a||m| (|x| + |y| + 1) + |du| (4N + 2|n·d|)) / |n·d|,
 ///   |Δz| ≤ ε (4 |n||c| + |z| (4N + 2|n·d|)) / |n·d|,   |Δdz| the same with m for c.
@@ -54,7 +54,7 @@ class KernelPlane {
  public:
   using Vector3 = Eigen::Matrix<T, 3, 1>;
 
-  /// In double whatever T is, for the axes' product is then exact but for one rounding.
+  /// Computed in double whatever T is: the axes' product is then exact but for one rounding.
   explicit KernelPlane(const MovingKernel& kernel, bool orthographic = false) {
     using Eigen::Vector3d;
     const int axis_exponent =
@@ -92,7 +92,7 @@ class KernelPlane {
     }
   }
 
-  /// Whether the disc shows this ray a side it may be seen from.
+  /// Whether the disc may be seen from the side that it shows this ray.
   [[nodiscard]] bool faces(T x, T y) const {
     return !(facing_.x() * x + facing_.y() * y + facing_.z() >= T(0)) || facing_.isZero(T(0));
   }

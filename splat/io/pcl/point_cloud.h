@@ -50,7 +50,7 @@ concept PclIntensity = requires(P p) {
   p.intensity;
 };
 
-/// What the templates below leave to the library, that they may stay short.
+/// What the templates below leave to the library, so that they stay short.
 namespace pcl_parts {
 
 /// A cloud taken apart point by point, before anything is known about it as a whole.
@@ -77,8 +77,8 @@ struct Given {
 
 }  // namespace pcl_parts
 
-/// The points of `cloud` as a file would give them. Normals that are not finite count as not given, and so do
-/// radii that are all zero; the notes say so, and that a sensor pose is not applied. Errors: no points; a
+/// The points of `cloud`, as a file would give them. Normals that are not finite count as not given, and so
+/// do radii that are all zero. A sensor pose is not applied. The notes say all this. Errors: no points; a
 /// position, velocity or radius that is not finite, unless `skip_invalid` drops that point; negative radii.
 template <PclPosition P>
 [[nodiscard]] Result<PointSet> points_from_pcl(const pcl::PointCloud<P>& cloud, bool skip_invalid = false) {
@@ -111,8 +111,8 @@ template <PclPosition P>
   return pcl_parts::finish(std::move(taken));
 }
 
-/// The points of `cloud` as discs, at `frame`. Normals and radii that it does not give are estimated, and
-/// what else `source` asks for is done, as cloud_from_points() does. Errors: as the two functions.
+/// The points of `cloud` as discs, at `frame`: cloud_from_points() of points_from_pcl(). Normals and radii
+/// that the cloud does not give are estimated. Errors: as the two functions.
 template <PclPosition P>
 [[nodiscard]] Result<LoadedCloud> cloud_from_pcl(const pcl::PointCloud<P>& cloud, double frame,
                                                  const CloudSource& source = {}) {
@@ -121,9 +121,9 @@ template <PclPosition P>
   return cloud_from_points(*std::move(points), frame, source);
 }
 
-/// The discs of `cloud` at `frame` as points of PCL: what the type P has of position, less `origin` (PCL's
-/// coordinates are floats), unit normal, colour in sRGB, and the radius of the round disc of the same area. A
-/// normal is zero where a disc has no area. Colours are clipped to [0, 1]. Errors: as
+/// The discs of `cloud` at `frame` as points of PCL. Those of these members that the type P has are filled:
+/// the position less `origin` (PCL's coordinates are floats), the unit normal (zero if the disc has no area),
+/// the colour in sRGB, clipped to [0, 1], and the radius of the round disc of the same area. Errors: as
 /// SurfelCloud::validate(), a frame or an origin that is not finite, a position beyond the range of float.
 template <PclPosition P = pcl::PointSurfel>
 [[nodiscard]] Result<pcl::PointCloud<P>> pcl_from_cloud(const SurfelCloud& cloud, double frame,
