@@ -83,6 +83,7 @@ struct Glass {
   bool transparent, textured;
 };
 constexpr Glass glasses[] = {{"opaque", "", false, false},
+                             {"painted", ", with a texture", false, true},
                              {"transparent", ", transparent", true, false},
                              {"textured", ", transparent, with a texture", true, true}};
 
@@ -97,11 +98,11 @@ std::shared_ptr<const Texture> patches() {
 }
 
 void make(const Glass& glass, Object& object) {
-  if (!glass.transparent) return;
+  if (!glass.transparent && !glass.textured) return;
   // White: looks that change, as normals do, hold in place of opacities.
   object.cloud.looks.clear();
   object.cloud.color.clear();
-  object.cloud.opacity.own().assign(object.cloud.size(), 0.5f);
+  if (glass.transparent) object.cloud.opacity.own().assign(object.cloud.size(), 0.5f);
   if (!glass.textured) return;
   // Laid over it from the front, four times from end to end.
   object.texture = patches();
