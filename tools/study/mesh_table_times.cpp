@@ -190,7 +190,7 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
       "Tiles, intervals, what is chosen of them, and the hierarchy of moving boxes",
       fmt::format("The stochastic method, {} samples a pixel, {} px, CPU seconds of one thread with "
                   "what building takes; triangles of some two pixels, each going its own way. "
-                  "The hierarchy is left out where there are more than 10⁶ triangles times px.",
+                  "The hierarchy is left out where there are more than 10⁶ triangles, or triangles times px.",
                   samples, options.side_px),
       {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "auto, s", "auto to the better one",
        "chosen", "hierarchy, s", "hierarchy to the better one"},
@@ -220,7 +220,7 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
       };
       const Json tile = seconds(Traversal::tile), interval = seconds(Traversal::interval),
                  chosen = seconds(Traversal::automatic);
-      const bool boxes_too = hierarchy_available() && px * count <= 1e6;
+      const bool boxes_too = hierarchy_available() && std::max(1.0, px) * count <= 1e6;
       const Json boxes = boxes_too ? seconds(Traversal::hierarchy) : Json(nullptr);
       if (!failed.empty()) {
         table.rows.push_back({count, failed});
