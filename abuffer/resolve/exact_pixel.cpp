@@ -94,33 +94,38 @@ void ExactPixel::add_place(const TrianglesOfPixel& of, const Eigen::Vector3d& ra
   };
   for (const PlacePiece& piece : view_.pieces) {
     throw_if_stopped(places_.stop);
-    bool plain = true;
+    bool even = true, plain = true;
     for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
       const TriangleStretch& triangle = of.triangles[view_.layers[view_.seen[i]].source];
       plain = plain && triangle.plain;
-      if (triangle.texture != nullptr)
+      even = even && (triangle.plain || (triangle.one_color && triangle.even_alpha && of.light.even()));
+    }
+    if (even) add_even(of, ray, piece, sum);
+    if (plain) add_by_depth(piece, of.light.share(piece.begin), of.light.share(piece.end));
+    if (plain || (even && by_depth == nullptr)) continue;
+    for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i)
+      if (const TriangleStretch& triangle = of.triangles[view_.layers[view_.seen[i]].source];
+          triangle.texture != nullptr)
         add_texel_cuts([&](double time) { return triangle.on_texture(ray, time); }, piece.begin, piece.end,
                        cuts_);
-    }
-    if (plain) {
-      add_plain(of, ray, piece, sum);
-      add_by_depth(piece, of.light.share(piece.begin), of.light.share(piece.end));
-      continue;
-    }
+    // Else what is seen is noted already, and depths alone are wanted.
+    LightSum noted;
+    LightSum& to = even ? noted : sum;
     between_cuts(piece.begin, piece.end, cuts_, [&](double begin, double end) {
       add_light(
           of.light.share(begin), of.light.share(end), of.light,
-          [&](double time) { return light_at(of, ray, piece, time); }, sum,
+          [&](double time) { return light_at(of, ray, piece, time); }, to,
           [&](double first, double last) { add_by_depth(piece, first, last); });
     });
   }
   for (std::uint32_t layer = 0; layer < view_.layers.size(); ++layer) add_noted(of, ray, layer, sum);
 }
 
-/// Colours do not change, and depths do. What goes on as it was before is only noted: what begins or ends
-/// behind a triangle, or in front of it with the same opacity, is no event to it.
-void ExactPixel::add_plain(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,
-                           LightSum& sum) {
+/// Opacities do not change, and depths do, and colours along the way over a texture. What goes on as it was
+/// before is only noted: what begins or ends behind a triangle, or in front of it with the same opacity, is
+/// no event to it.
+void ExactPixel::add_even(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                          LightSum& sum) {
   double left = 1.0;
   for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) {
     PlaceLayer& layer = view_.layers[view_.seen[i]];
@@ -140,12 +145,42 @@ void ExactPixel::add_noted(const TrianglesOfPixel& of, const Eigen::Vector3d& ra
   const PlaceLayer noted = view_.layers[layer];
   const double first = of.light.share(noted.from), last = of.light.share(noted.until);
   if (noted.weight == 0.0 || !(first < last)) return;
-  const float(&rgba)[4] = of.triangles[noted.source].rgba[0];
+  const TriangleStretch& triangle = of.triangles[noted.source];
+  const float(&rgba)[4] = triangle.rgba[0];
   const PlaceDepth& depth = view_.depth(layer, of.triangles, ray);
   const double weight = noted.weight * (last - first);
-  for (int c = 0; c < 4; ++c) sum.v[c] += weight * double{rgba[c]};
+  if (triangle.texture != nullptr) add_texels(of, ray, noted, sum);
+  for (int c = triangle.texture == nullptr ? 0 : 3; c < 4; ++c) sum.v[c] += weight * double{rgba[c]};
   sum.v[4] += noted.weight * double{rgba[3]} *
               smooth_integral(of.light, first, last, [&](double time) { return depth.at(time); });
+}
+
+/// Red, green and blue.
+void ExactPixel::add_texels(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlaceLayer& noted,
+                            LightSum& sum) {
+  const TriangleStretch& triangle = of.triangles[noted.source];
+  if (way_.find(triangle, ray, noted.from, noted.until)) {
+    LightLeft::Part part;
+    part.begin = noted.from, part.end = noted.until, part.is_even = true, part.even = noted.weight;
+    way_.see(part);
+    double seen[3] = {0.0, 0.0, 0.0};
+    way_.add_colors(*triangle.texture, seen);
+    for (int c = 0; c < 3; ++c) sum.v[c] += double{triangle.rgba[0][c]} * seen[c];
+    return;
+  }
+  LightSum seen;
+  add_texel_cuts([&](double time) { return triangle.on_texture(ray, time); }, noted.from, noted.until, cuts_);
+  between_cuts(noted.from, noted.until, cuts_, [&](double begin, double end) {
+    add_light(
+        begin, end, of.light,
+        [&](double time) {
+          LightSum at;
+          std::copy_n(triangle.look(ray, time).rgba, 3, at.v);
+          return at;
+        },
+        seen, [](double, double) {});
+  });
+  for (int c = 0; c < 3; ++c) sum.v[c] += noted.weight * seen.v[c];
 }
 
 LightSum ExactPixel::light_at(const TrianglesOfPixel& of, const Eigen::Vector3d& ray, const PlacePiece& piece,

@@ -12,6 +12,7 @@
 #include "abuffer/resolve/place_peel.h"
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
+#include "abuffer/resolve/texel_way.h"
 
 namespace swept {
 
@@ -60,8 +61,10 @@ class ExactPixel {
   void add_one_mesh(const TrianglesOfPixel& triangles, LightSum& sum, DepthSum* by_depth);
   void add_place(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, LightSum& sum,
                  DepthSum* by_depth);
-  void add_plain(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlacePiece& piece,
-                 LightSum& sum);
+  void add_even(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlacePiece& piece,
+                LightSum& sum);
+  void add_texels(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlaceLayer& noted,
+                  LightSum& sum);
   void add_noted(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, std::uint32_t layer,
                  LightSum& sum);
   void add_depths(const TrianglesOfPixel& triangles, const Eigen::Vector3d& ray, const PlacePiece& piece,
@@ -75,6 +78,7 @@ class ExactPixel {
   PlaceSweep places_;
   PlaceView view_;
   PlacePeel peel_;
+  TexelWay way_;
   MeshPixel meshes_;
   std::vector<Ticks> breaks_;
   std::vector<double> cuts_;

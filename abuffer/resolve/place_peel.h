@@ -19,6 +19,7 @@
 #include "abuffer/resolve/light_left.h"
 #include "abuffer/resolve/place_light.h"
 #include "abuffer/resolve/place_look.h"
+#include "abuffer/resolve/texel_way.h"
 #include "abuffer/simd/edge_math.h"
 
 namespace swept {
@@ -101,6 +102,8 @@ class PlacePeel {
   LightLeft left_;
   // Of the layer that takes of it, once there is a need.
   bool looked_ = false;
+  bool on_way_ = false;  ///< colours are those of way_ alone
+  TexelWay way_;
   PlaceLook look_;
   std::vector<double> texel_cuts_;  ///< shares of light, increasing
 };

@@ -68,7 +68,10 @@ bool PlacePeel::take(std::uint32_t layer, LightSum& sum) {
     ++counters_->pieces;
     if (!triangle.plain) {
       make_look(of);
-      between_texels(part, [&](const LightLeft::Part& p) { add_colors(p, most_halvings, sum); });
+      if (on_way_)
+        way_.see(part);
+      else
+        between_texels(part, [&](const LightLeft::Part& p) { add_colors(p, most_halvings, sum); });
     }
     if (part.is_even) {
       weight += part.even * part.span();
@@ -82,6 +85,11 @@ bool PlacePeel::take(std::uint32_t layer, LightSum& sum) {
     for (double& v : left.v) v *= through;
     left_.leave(part.end, left);
   });
+  if (looked_ && on_way_) {
+    double seen[3] = {0.0, 0.0, 0.0};
+    way_.add_colors(*triangle.texture, seen);
+    for (int c = 0; c < 3; ++c) sum.v[c] += double{triangle.rgba[0][c]} * seen[c];
+  }
   for (int c = triangle.plain ? 0 : 3; c < 4; ++c) sum.v[c] += weight * double{triangle.rgba[0][c]};
   sum.v[4] += alpha * taken.v[4];
   return lit;
@@ -92,6 +100,9 @@ void PlacePeel::make_look(const Layer& of) {
   if (looked_) return;
   looked_ = true;
   const TriangleStretch& triangle = (*triangles_)[of.source];
+  on_way_ = triangle.texture != nullptr && triangle.one_color && triangle.even_alpha && light_->even() &&
+            way_.find(triangle, *ray_, of.begin, of.end);
+  if (on_way_) return;
   look_ = PlaceLook(triangle, *ray_);
   texel_cuts_.clear();
   if (triangle.texture == nullptr) return;

@@ -115,21 +115,21 @@ TriangleStretch::TriangleStretch(const MovingMesh& of, std::uint32_t mesh_index,
     for (int c = 0; c < 4; ++c) rgba[i][c] = first[c], more[i][c] = last[c] - first[c];
   }
   nearest_ = std::max(nearest_, near);
-  plain = opaque = true;
+  one_color = opaque = true;
   for (std::size_t i = 0; i < 3; ++i) {
-    plain = plain && std::equal(rgba[i], rgba[i] + 4, rgba[0]);
-    for (const float change : more[i]) plain = plain && change == 0.0f;
+    one_color = one_color && std::equal(rgba[i], rgba[i] + 4, rgba[0]);
+    for (const float change : more[i]) one_color = one_color && change == 0.0f;
     opaque = opaque && rgba[i][3] >= 1.0f && rgba[i][3] + more[i][3] >= 1.0f;
   }
   even_alpha = true;
   for (std::size_t i = 0; i < 3; ++i)
     even_alpha = even_alpha && rgba[i][3] == rgba[0][3] && more[i][3] == 0.0f;
   texture = object.texture_of(t);
+  plain = one_color && texture == nullptr;
   if (texture != nullptr) {
     even_alpha = even_alpha && of.opaque_texture(t);
     for (std::size_t i = 0; i < 3; ++i)
       uv[i][0] = object.texture_corners[t][i].x(), uv[i][1] = object.texture_corners[t][i].y();
-    plain = false;
     opaque = opaque && of.opaque_texture(t);
   }
   least_alpha = 1.0f;
@@ -304,6 +304,22 @@ TriangleStretch::OnTexture TriangleStretch::texels(const double (&e)[3]) const {
   }
   if (weight == 0.0) return {0.0, 0.0};
   return {at[0] / weight * texture->width - 0.5, (1.0 - at[1] / weight) * texture->height - 0.5};
+}
+
+int TriangleStretch::way_over_texels(const Eigen::Vector3d& ray,
+                                     double (&way)[3][2 * most_path_degree + 1]) const {
+  double e[3][2 * most_path_degree + 1], column[3], row[3];
+  const int degree = edges(ray, e);
+  for (int i = 0; i < 3; ++i) {
+    column[i] = double{uv[i][0]} * texture->width - 0.5;
+    row[i] = (1.0 - double{uv[i][1]}) * texture->height - 0.5;
+  }
+  for (int k = 0; k <= 2 * degree; ++k) {
+    way[0][k] = e[0][k] * column[0] + (e[1][k] * column[1] + e[2][k] * column[2]);
+    way[1][k] = e[0][k] * row[0] + (e[1][k] * row[1] + e[2][k] * row[2]);
+    way[2][k] = e[0][k] + (e[1][k] + e[2][k]);
+  }
+  return degree;
 }
 
 namespace {

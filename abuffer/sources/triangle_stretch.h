@@ -37,7 +37,8 @@ class TriangleStretch {
 
   std::uint32_t mesh, triangle;
   double begin, end;                 ///< of the stretch
-  bool plain, opaque;                ///< all corners have one colour; no light comes through
+  bool one_color;                    ///< all corners have it, at all times
+  bool plain, opaque;                ///< so has all of it; no light comes through
   bool even_alpha;                   ///< light comes through alike, anywhere and at any time
   float least_alpha;                 ///< anywhere on it, at any time
   float rgba[3][4];                  ///< premultiplied, as the stretch begins
@@ -74,6 +75,8 @@ class TriangleStretch {
     return degree_;
   }
   [[nodiscard]] bool on_lines() const { return degree_ == 1; }
+  /// Of the paths.
+  [[nodiscard]] int degree() const { return degree_; }
   /// The same for paths of degree 1, into one lane of these.
   void depth(const Eigen::Vector3d& ray, int lane, DepthChords& chords) const {
     const double x = ray.x(), y = ray.y();
@@ -104,6 +107,9 @@ class TriangleStretch {
       }
     return degree_;
   }
+  /// Where on the texture the ray meets it over the stretch: columns and rows as on_texture() has them are
+  /// quotients of the first two by the third, of 2n + 1 coefficients in Bernstein form; returns n.
+  int way_over_texels(const Eigen::Vector3d& ray, double (&way)[3][2 * most_path_degree + 1]) const;
   /// What look() and on_texture() see where edge functions have these values, at a share `t` of the stretch.
   void color(const double (&e)[3], double t, double (&rgba)[4]) const;
   [[nodiscard]] OnTexture texels(const double (&e)[3]) const;

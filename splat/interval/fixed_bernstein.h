@@ -56,6 +56,14 @@ struct FixedBernstein {
     return p;
   }
 
+  /// The same polynomial by powers of t: t^k times the k-th of `degree` + 1 numbers.
+  void to_powers(double* powers) const {
+    for (int k = 0; k < size; ++k) powers[k] = c[k];
+    for (int level = 1; level < size; ++level)
+      for (int k = degree; k >= level; --k) powers[k] -= powers[k - 1];
+    for (int k = 1; k < size; ++k) powers[k] *= binomial_of(degree, k);
+  }
+
   /// 1 or −1 where all coefficients are on that side of 0, else 0.
   [[nodiscard]] int side() const {
     bool above = true, below = true;

@@ -83,6 +83,7 @@ struct Glass {
   bool transparent, textured;
 };
 constexpr Glass glasses[] = {{"opaque", "", false, false},
+                             {"painted", ", with a texture", false, true},
                              {"transparent", ", transparent", true, false},
                              {"textured", ", transparent, with a texture", true, true}};
 
@@ -97,11 +98,11 @@ std::shared_ptr<const Texture> patches() {
 }
 
 void make(const Glass& glass, Object& object) {
-  if (!glass.transparent) return;
+  if (!glass.transparent && !glass.textured) return;
   // White: looks that change, as normals do, hold in place of opacities.
   object.cloud.looks.clear();
   object.cloud.color.clear();
-  object.cloud.opacity.own().assign(object.cloud.size(), 0.5f);
+  if (glass.transparent) object.cloud.opacity.own().assign(object.cloud.size(), 0.5f);
   if (!glass.textured) return;
   // Laid over it from the front, four times from end to end.
   object.texture = patches();
@@ -189,7 +190,7 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
       "Tiles, intervals, what is chosen of them, and the hierarchy of moving boxes",
       fmt::format("The stochastic method, {} samples a pixel, {} px, CPU seconds of one thread with "
                   "what building takes; triangles of some two pixels, each going its own way. "
-                  "The hierarchy is left out where there are more than 10⁶ triangles times px.",
+                  "The hierarchy is left out where there are more than 10⁶ triangles, or triangles times px.",
                   samples, options.side_px),
       {"triangles", "motion, px", "TILE 4×4, s", "INTERVAL 16, s", "auto, s", "auto to the better one",
        "chosen", "hierarchy, s", "hierarchy to the better one"},
@@ -219,7 +220,7 @@ StudyTable hierarchy_table(const MeshTableOptions& options, const RowDone& done)
       };
       const Json tile = seconds(Traversal::tile), interval = seconds(Traversal::interval),
                  chosen = seconds(Traversal::automatic);
-      const bool boxes_too = hierarchy_available() && px * count <= 1e6;
+      const bool boxes_too = hierarchy_available() && std::max(1.0, px) * count <= 1e6;
       const Json boxes = boxes_too ? seconds(Traversal::hierarchy) : Json(nullptr);
       if (!failed.empty()) {
         table.rows.push_back({count, failed});

@@ -336,9 +336,9 @@ void add_study_command(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->check(CLI::Range(1, 65536))
       ->type_name("PX,...");
-  command->add_option("--looks", options.looks, "Of the part ronnow: only these [all three]")
+  command->add_option("--looks", options.looks, "Of the part ronnow: only these [all four]")
       ->delimiter(',')
-      ->check(CLI::IsMember({"opaque", "transparent", "textured"}));
+      ->check(CLI::IsMember({"opaque", "painted", "transparent", "textured"}));
   command
       ->add_option("--gpu", options.runner.method.gpu,
                    "Device of the GPU methods, as `swept info --gpus` lists them")
