@@ -271,6 +271,7 @@ TEST_P(WholeModel, AreTheReferences) {
 
 /// What stands still costs no events: those of one moving object are in the pixels that it sweeps by itself.
 TEST(WholeModelCosts, OnlyPixelsThatAreSweptAre) {
+  const auto fragments = [](const Rendered& of) { return of.statistics.counter("fragments").value_or(0.0); };
   for (const double radius : {0.1, 0.2, 0.4}) {
     Scene scene = test::stage();
     scene.objects = {test::checkered_sphere(radius, 60)};
@@ -284,6 +285,19 @@ TEST(WholeModelCosts, OnlyPixelsThatAreSweptAre) {
     EXPECT_LT(swept, 64.0 * 48.0 / 4.0);
     EXPECT_EQ(together->statistics.counter("pixels_swept"), swept) << radius;
     EXPECT_GT(together->statistics.counter("pixels_still").value_or(0.0), 600.0);
+    // Of a whole pixel's normalisation all fragments are needed.
+    AbufferOptions options;
+    options.normalisation = Normalisation::pixel;
+    const auto all = render_abuffer(scene, options);
+    ASSERT_TRUE(all.ok());
+    const double of_mover = fragments(*alone);
+    EXPECT_LT(fragments(*together) - of_mover, 0.6 * (fragments(*all) - of_mover)) << radius;
+    options = {};
+    options.tile_px = 5;
+    const auto tiled = render_abuffer(scene, options);
+    ASSERT_TRUE(tiled.ok());
+    EXPECT_EQ(tiled->image.rgba, together->image.rgba);
+    EXPECT_EQ(tiled->image.depth, together->image.depth);
   }
 }
 

@@ -12,37 +12,31 @@ namespace swept {
 namespace {
 
 /// Pixels [first, last) of row `y` whose centres lie in the octagon, within the window.
-struct Row {
+struct PixelRange {
   int first = 0, last = 0;
 };
 
-Row row_of(const Octagon& octagon, const Window& window, int y) {
+/// The pixels of [first, first + count) whose centres are in [low, high].
+PixelRange centers_within(double low, double high, int first, int count) {
+  // Clamped before the conversion: bounds may lie far beyond the range of an int.
+  const auto pixel = [&](double at) {
+    return static_cast<int>(std::clamp(at, double(first), double(first + count)));
+  };
+  return {pixel(std::ceil(low - 0.5)), pixel(std::floor(high - 0.5) + 1.0)};
+}
+
+PixelRange row_of(const Octagon& octagon, const Window& window, int y) {
   double x_min, x_max;
   if (!octagon.span(y + 0.5, y + 0.5, x_min, x_max)) return {};
-  // Clamped before the conversion: bounds may lie far beyond the range of an int.
-  const double low = std::clamp(std::ceil(x_min - 0.5), double(window.x), double(window.x + window.width));
-  const double high =
-      std::clamp(std::floor(x_max - 0.5) + 1.0, double(window.x), double(window.x + window.width));
-  return {static_cast<int>(low), static_cast<int>(high)};
+  return centers_within(x_min, x_max, window.x, window.width);
 }
 
-Row rows_of(const Octagon& octagon, const Window& window) {
-  const PixelBox box = octagon.box();
-  const double low =
-      std::clamp(std::ceil(box.y_min - 0.5), double(window.y), double(window.y + window.height));
-  const double high =
-      std::clamp(std::floor(box.y_max - 0.5) + 1.0, double(window.y), double(window.y + window.height));
-  return {static_cast<int>(low), static_cast<int>(high)};
+PixelRange rows_of(const PixelBox& box, const Window& window) {
+  return centers_within(box.y_min, box.y_max, window.y, window.height);
 }
 
-/// The columns that are visited in some row.
-Row columns_of(const Octagon& octagon, const Window& window) {
-  const PixelBox box = octagon.box();
-  const double low =
-      std::clamp(std::ceil(box.x_min - 0.5), double(window.x), double(window.x + window.width));
-  const double high =
-      std::clamp(std::floor(box.x_max - 0.5) + 1.0, double(window.x), double(window.x + window.width));
-  return {static_cast<int>(low), static_cast<int>(high)};
+PixelRange columns_of(const PixelBox& box, const Window& window) {
+  return centers_within(box.x_min, box.x_max, window.x, window.width);
 }
 
 /// The kernel in the shutter time of a row that is exposed so much later. False: it is not there then.
@@ -285,9 +279,9 @@ void rasterize(const MovingKernel& of_all_rows, const DiscTurn* turn, std::uint3
   const bool oriented = plane.oriented() && model.backs != 0;
   const std::uint32_t back_index = kernel_index + model.backs;
   RayBatch rays(model.simd ? tube_maths().fastest() : tube_maths().plain());
-  const Row rows = rows_of(octagon, window);
+  const PixelRange rows = rows_of(octagon.box(), window);
   for (int y = rows.first; y < rows.last; ++y) {
-    const Row row = row_of(octagon, window, y);
+    const PixelRange row = row_of(octagon, window, y);
     if (row.first >= row.last) continue;
     if (model.row_delay != 0.0) {
       rays.append_to(fragments, seen, model);
@@ -310,15 +304,16 @@ void rasterize(const MovingKernel& of_all_rows, const DiscTurn* turn, std::uint3
 }
 
 Window part_within(const Octagon& octagon, const Window& window) {
-  const Row rows = rows_of(octagon, window), columns = columns_of(octagon, window);
+  const PixelBox box = octagon.box();
+  const PixelRange rows = rows_of(box, window), columns = columns_of(box, window);
   return {columns.first, rows.first, columns.last - columns.first, rows.last - rows.first};
 }
 
 std::size_t visited_pixels(const Octagon& octagon, const Window& window) {
-  const Row rows = rows_of(octagon, window);
+  const PixelRange rows = rows_of(octagon.box(), window);
   std::size_t pixels = 0;
   for (int y = rows.first; y < rows.last; ++y) {
-    const Row row = row_of(octagon, window, y);
+    const PixelRange row = row_of(octagon, window, y);
     if (row.first < row.last) pixels += static_cast<std::size_t>(row.last - row.first);
   }
   return pixels;
