@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,17 +27,6 @@
 
 namespace swept {
 namespace {
-
-/// Doubling leaves most cells better than they need be, by half of what errors fall by at a time, so that
-/// each may have so much more than its share. The fewer cells there are, the less can be relied on that.
-///
-/// Errors fall by some 12 dB from one number of instants to twice as many at 60 dB, and by 6 once jumps lead;
-/// if any part of the last fall is as likely as any other, the squares are the mean of 10^(−u/10) over it.
-[[nodiscard]] double slack(double moving_cells, double max_error_db, bool lens) {
-  const double fall_db = std::clamp(12.0 - 0.2 * (max_error_db - 60.0), 6.0, 12.0);
-  const double mean = (1.0 - std::pow(10.0, -0.1 * fall_db)) / (0.1 * std::numbers::ln10 * fall_db);
-  return 1.0 + (lens ? 1.25 : 1.0) * (1.0 / mean - 1.0) * moving_cells / (moving_cells + 24.0);
-}
 
 /// A cell as far as it has come.
 struct CellProgress {

@@ -163,9 +163,7 @@ void ExactPixel::add_texels(const TrianglesOfPixel& of, const Eigen::Vector3d& r
     LightLeft::Part part;
     part.begin = noted.from, part.end = noted.until, part.is_even = true, part.even = noted.weight;
     way_.see(part);
-    double seen[3] = {0.0, 0.0, 0.0};
-    way_.add_colors(*triangle.texture, seen);
-    for (int c = 0; c < 3; ++c) sum.v[c] += double{triangle.rgba[0][c]} * seen[c];
+    way_.add_light(triangle, sum);
     return;
   }
   LightSum seen;

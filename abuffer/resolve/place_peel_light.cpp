@@ -85,11 +85,7 @@ bool PlacePeel::take(std::uint32_t layer, LightSum& sum) {
     for (double& v : left.v) v *= through;
     left_.leave(part.end, left);
   });
-  if (looked_ && on_way_) {
-    double seen[3] = {0.0, 0.0, 0.0};
-    way_.add_colors(*triangle.texture, seen);
-    for (int c = 0; c < 3; ++c) sum.v[c] += double{triangle.rgba[0][c]} * seen[c];
-  }
+  if (looked_ && on_way_) way_.add_light(triangle, sum);
   for (int c = triangle.plain ? 0 : 3; c < 4; ++c) sum.v[c] += weight * double{triangle.rgba[0][c]};
   sum.v[4] += alpha * taken.v[4];
   return lit;

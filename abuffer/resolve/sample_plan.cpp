@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace swept {
 namespace {
@@ -39,6 +40,12 @@ double error_share(double px, std::size_t packets, int instants) {
   // An instant of a cell takes as long as so many packets, before it has any.
   constexpr double packets_of_a_cell = 20.0;
   return std::sqrt(px * (packets_of_a_cell + static_cast<double>(packets)) * instants);
+}
+
+double slack(double moving_cells, double max_error_db, bool lens) {
+  const double fall_db = std::clamp(12.0 - 0.2 * (max_error_db - 60.0), 6.0, 12.0);
+  const double mean = (1.0 - std::pow(10.0, -0.1 * fall_db)) / (0.1 * std::numbers::ln10 * fall_db);
+  return 1.0 + (lens ? 1.25 : 1.0) * (1.0 / mean - 1.0) * moving_cells / (moving_cells + 24.0);
 }
 
 float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets) {

@@ -38,6 +38,13 @@ inline constexpr double disc_instants_per_px = 0.25, other_instants_per_px = 0.3
 /// each.
 [[nodiscard]] double error_share(double px, std::size_t packets, int instants);
 
+/// Doubling leaves most cells better than they need be, by half of what errors fall by at a time, so that
+/// each may have so much more than its share. The fewer cells there are, the less can be relied on that.
+///
+/// Errors fall by some 12 dB from one number of instants to twice as many at 60 dB, and by 6 once jumps lead;
+/// if any part of the last fall is as likely as any other, the squares are the mean of 10^(−u/10) over it.
+[[nodiscard]] double slack(double moving_cells, double max_error_db, bool lens);
+
 /// Motion that stands for all of a cell's.
 [[nodiscard]] float typical_motion(const PacketBins& bins, std::span<const PacketRef> packets);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "abuffer/resolve/place_light.h"
-
 namespace swept {
 namespace {
 
@@ -166,6 +164,12 @@ void TexelWay::add_colors(const Texture& texture, double (&sum)[3]) const {
     for (int k = 0; k < 3; ++k)
       sum[k] += by_a * double{a[k]} + by_b * double{b[k]} + (by_c * double{c[k]} + step.of_xy * double{d[k]});
   }
+}
+
+void TexelWay::add_light(const TriangleStretch& triangle, LightSum& sum) const {
+  double seen[3] = {0.0, 0.0, 0.0};
+  add_colors(*triangle.texture, seen);
+  for (int c = 0; c < 3; ++c) sum.v[c] += double{triangle.rgba[0][c]} * seen[c];
 }
 
 }  // namespace swept

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "abuffer/resolve/light_left.h"
+#include "abuffer/resolve/place_light.h"
 #include "abuffer/sources/triangle_stretch.h"
 #include "splat/interval/fixed_bernstein.h"
 
@@ -28,6 +29,8 @@ class TexelWay {
   void see(const LightLeft::Part& part);
   /// Adds ∫ texel ds by all light that has seen it: red, green and blue, premultiplied.
   void add_colors(const Texture& texture, double (&sum)[3]) const;
+  /// Adds that to a sum, in the one colour of the triangle.
+  void add_light(const TriangleStretch& triangle, LightSum& sum) const;
 
  private:
   /// Between four texels.

@@ -11,7 +11,7 @@
 namespace swept {
 namespace {
 
-/// Pixels [first, last) of row `y` whose centres lie in the octagon, within the window.
+/// Pixels [first, last) of a row or a column.
 struct PixelRange {
   int first = 0, last = 0;
 };
@@ -25,6 +25,7 @@ PixelRange centers_within(double low, double high, int first, int count) {
   return {pixel(std::ceil(low - 0.5)), pixel(std::floor(high - 0.5) + 1.0)};
 }
 
+/// Of row `y`, those in the octagon and the window.
 PixelRange row_of(const Octagon& octagon, const Window& window, int y) {
   double x_min, x_max;
   if (!octagon.span(y + 0.5, y + 0.5, x_min, x_max)) return {};

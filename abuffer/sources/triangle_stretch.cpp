@@ -306,8 +306,8 @@ TriangleStretch::OnTexture TriangleStretch::texels(const double (&e)[3]) const {
   return {at[0] / weight * texture->width - 0.5, (1.0 - at[1] / weight) * texture->height - 0.5};
 }
 
-int TriangleStretch::way_over_texels(const Eigen::Vector3d& ray,
-                                     double (&way)[3][2 * most_path_degree + 1]) const {
+void TriangleStretch::way_over_texels(const Eigen::Vector3d& ray,
+                                      double (&way)[3][2 * most_path_degree + 1]) const {
   double e[3][2 * most_path_degree + 1], column[3], row[3];
   const int degree = edges(ray, e);
   for (int i = 0; i < 3; ++i) {
@@ -319,7 +319,6 @@ int TriangleStretch::way_over_texels(const Eigen::Vector3d& ray,
     way[1][k] = e[0][k] * row[0] + (e[1][k] * row[1] + e[2][k] * row[2]);
     way[2][k] = e[0][k] + (e[1][k] + e[2][k]);
   }
-  return degree;
 }
 
 namespace {

@@ -108,8 +108,8 @@ class TriangleStretch {
     return degree_;
   }
   /// Where on the texture the ray meets it over the stretch: columns and rows as on_texture() has them are
-  /// quotients of the first two by the third, of 2n + 1 coefficients in Bernstein form; returns n.
-  int way_over_texels(const Eigen::Vector3d& ray, double (&way)[3][2 * most_path_degree + 1]) const;
+  /// quotients of the first two by the third, of 2n + 1 coefficients in Bernstein form, n being degree().
+  void way_over_texels(const Eigen::Vector3d& ray, double (&way)[3][2 * most_path_degree + 1]) const;
   /// What look() and on_texture() see where edge functions have these values, at a share `t` of the stretch.
   void color(const double (&e)[3], double t, double (&rgba)[4]) const;
   [[nodiscard]] OnTexture texels(const double (&e)[3]) const;
