@@ -22,9 +22,9 @@ constexpr double margin = 2.0;
 
 /// Squares are taken to fall at most to this from N/2 to N, whatever the still says.
 constexpr double least_fall = 0.02;
-/// Splats that change their order jump. Where that could matter, from this mean square down, squares are
-/// taken to fall by no more than those of ErrorEstimate::of_splats.
-constexpr double jumps_begin = 5.6e-7, fall_of_jumps = 0.15;
+/// Splats that change their order jump. Where that could matter, squares are taken to fall by no more than
+/// those of ErrorEstimate::of_splats.
+constexpr double fall_of_jumps = 0.15;
 /// What was not foreseen is taken for jumps.
 constexpr double fall_of_surprise = 0.15, foreseen = 1.5;
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostListed = 24;
 constexpr std::size_t kMostShown = 40;
 
-std::string printable(std::string_view name) {
+std::string shortened(std::string_view name) {
   std::string shown(name.substr(0, kMostShown));
   for (char& c : shown) {
     if (c < ' ' || c > '~') c = '?';
@@ -55,9 +55,9 @@ std::string listed(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size();) {
     if (shown++ == kMostListed) return text + " and " + std::to_string(names.size() - i) + " more";
     if (!text.empty()) text += ", ";
-    text += printable(names[i]);
+    text += shortened(names[i]);
     const std::size_t run = run_length(names, i);
-    if (run >= 3) text += " to " + printable(names[i + run - 1]);
+    if (run >= 3) text += " to " + shortened(names[i + run - 1]);
     i += run >= 3 ? run : 1;
   }
   return text;

@@ -33,8 +33,13 @@ constexpr const char* sample_meaning =
 template <class T>
 void point_at(const std::vector<T>& values, std::size_t stride, std::size_t offset, const DeepImage& image,
               std::size_t pixel, std::size_t count, std::vector<const char*>& pointers) {
-  for (std::size_t i = 0; i < count; ++i)
-    pointers[i] = reinterpret_cast<const char*>(values.data() + stride * image.first[pixel + i] + offset);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto first = image.first[pixel + i];
+    // A pixel without samples has no place among them.
+    pointers[i] = first == image.first[pixel + i + 1]
+                      ? nullptr
+                      : reinterpret_cast<const char*>(values.data() + stride * first + offset);
+  }
 }
 
 Imf::DeepSlice slice_of(Imf::PixelType type, std::vector<const char*>& pointers, const DeepImage& image,

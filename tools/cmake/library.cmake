@@ -34,3 +34,9 @@ function(swept_library component)
     endif()
   endif()
 endfunction()
+
+# swept_compiled_alone(SOURCE...): what they name inside themselves, others do, too. Where CMAKE_UNITY_BUILD puts sources
+# together (under sanitizers, whose builds are then half as long), these stay apart.
+function(swept_compiled_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
