@@ -1,118 +1,20 @@
-// The sampled method: what it converges to, and that no traversal and nothing else changes a bit of it.
+// The sampled method: what it converges to, and what changes no bit of it.
 #include "abuffer/stochastic/stochastic.h"
 
 #include <cmath>
 #include <memory>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "abuffer/reference/reference.h"
 #include "abuffer/stochastic/pixel_samples.h"
-#include "tests/small_scenes.h"
+#include "tests/stochastic_scenes.h"
 
 namespace swept {
 namespace {
 
-Rendered rendered(const Scene& scene, const StochasticOptions& options, int threads = 0) {
-  RenderControl control;
-  control.threads = threads;
-  Result<Rendered> result = render_stochastic(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
-Image reference(const Scene& scene, int stills) {
-  // Triangles move on their true path either way, discs along their segments.
-  Result<Rendered> result = render_reference(scene, {stills, ReferenceMotion::segments});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-double rmse(const Image& a, const Image& b) {
-  EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
-    const double difference = double{a.rgba[i]} - double{b.rgba[i]};
-    squares += difference * difference;
-  }
-  return std::sqrt(squares / static_cast<double>(a.rgba.size()));
-}
-
-double mean_difference(const Image& a, const Image& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i) sum += double{a.rgba[i]} - double{b.rgba[i]};
-  return sum / static_cast<double>(a.rgba.size());
-}
-
-/// Triangles of all sizes, some of them through the near plane and behind the eye, which is at z = 5.
-Object soup(int triangles, unsigned seed, bool transparent) {
-  test::Random random(seed);
-  Object object;
-  for (int t = 0; t < triangles; ++t) {
-    const Eigen::Vector3d middle(random(-2.0, 2.0), random(-1.5, 1.5), random(-2.0, 4.8));
-    const double size = std::pow(10.0, random(-2.0, 0.2));
-    for (int i = 0; i < 3; ++i) {
-      test::add_disc(object, middle + random.vector(-size, size), {0, 0, 1}, 0.1,
-                     random.vector(0.0, 1.0).cast<float>());
-      object.cloud.velocity.push_back(random.vector(-0.5, 0.5).cast<float>());
-      if (transparent) object.cloud.opacity.push_back(static_cast<float>(random(0.0, 1.0)));
-    }
-    const auto first = static_cast<std::uint32_t>(3 * t);
-    object.triangles.push_back({first, first + 1, first + 2});
-  }
-  return object;
-}
-
-/// A turning soup: corners on curves.
-Scene soup_scene(unsigned seed, bool transparent) {
-  Scene scene = test::stage();
-  scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
-  scene.objects = {soup(60, seed, transparent)};
-  test::move(scene.objects[0], {0.1, 0, 0}, {-0.2, 0.1, 0.2}, 0.9);
-  return scene;
-}
-
-void add_lens(Scene& scene) {
-  scene.camera.aperture.radius = 0.15;
-  scene.camera.look_ats[0].lens.focus = 4.0;
-}
-
-std::vector<StochasticOptions> all_traversals(int samples, int times) {
-  std::vector<StochasticOptions> all;
-  for (const CurveBounds bounds : {CurveBounds::slefes, CurveBounds::hulls})
-    for (const int px : {1, 2, 4, 16})
-      all.push_back({.samples = samples,
-                     .times = times,
-                     .traversal = Traversal::tile,
-                     .tile_px = px,
-                     .bounds = bounds});
-  for (const int intervals : {1, 4, 7, 64})
-    all.push_back(
-        {.samples = samples, .times = times, .traversal = Traversal::interval, .intervals = intervals});
-  if (hierarchy_available())
-    for (const int px : {1, 4})
-      all.push_back({.samples = samples, .times = times, .traversal = Traversal::hierarchy, .tile_px = px});
-  if (times > 0) all.push_back({.samples = samples, .times = times, .traversal = Traversal::interleave});
-  all.push_back({.samples = samples, .times = times});
-  return all;
-}
-
-void expect_same_images(const Scene& scene, int samples, int times, const char* what) {
-  const std::vector<StochasticOptions> all = all_traversals(samples, times);
-  const Rendered first = rendered(scene, all.front());
-  EXPECT_GT(*first.statistics.counter("samples_inside"), 0.0) << what;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    const Rendered other = rendered(scene, all[i]);
-    EXPECT_EQ(other.image.rgba, first.image.rgba) << what << ", traversal " << i;
-    EXPECT_EQ(other.image.depth, first.image.depth) << what << ", traversal " << i;
-    EXPECT_EQ(other.statistics.counter("samples_inside"), first.statistics.counter("samples_inside"))
-        << what << i;
-  }
-}
+using test::add_lens, test::expect_same_images, test::mean_difference, test::reference, test::rendered,
+    test::rmse, test::soup, test::soup_scene;
 
 TEST(Stochastic, ObeysMaxBytes) {
   Scene scene = test::busy_scene();
@@ -133,40 +35,6 @@ TEST(Stochastic, ObeysMaxBytes) {
       EXPECT_EQ(refused.error().field, "max_bytes");
       EXPECT_EQ(refused.error().kind, ErrorKind::out_of_memory);
     }
-  }
-}
-
-TEST(Stochastic, AllTraversalsAreOneImage) {
-  for (unsigned seed = 1; seed <= 6; ++seed) {
-    Scene scene = soup_scene(seed, seed % 2 == 0);
-    scene.objects[0].two_sided = seed % 3 != 0;
-    if (seed % 3 == 1) add_lens(scene);
-    if (seed == 5) scene.shutter.curve = ShutterShape::trapezoid;
-    if (seed == 4) scene.objects.push_back(test::checkered_sphere(0.8, 200));
-    expect_same_images(scene, 24, seed % 2 == 0 ? 40 : 0, "soup");
-  }
-}
-
-TEST(Stochastic, AllTraversalsAreOneImageOfDiscs) {
-  Scene scene = test::busy_scene();
-  expect_same_images(scene, 16, 0, "discs");
-  add_lens(scene);
-  expect_same_images(scene, 16, 64, "discs through a lens");
-}
-
-/// Corners on a coarse grid: edges along rays, triangles without an area, equal depths, the near plane.
-TEST(Stochastic, AllTraversalsAreOneImageOnAGrid) {
-  for (unsigned seed = 1; seed <= 4; ++seed) {
-    Scene scene = test::stage();
-    scene.objects = {soup(40, seed, seed % 2 == 0)};
-    Object& object = scene.objects[0];
-    PointArray<Eigen::Vector3d> position;
-    for (const Eigen::Vector3d& p : object.cloud.keys[0].pose.position)
-      position.push_back((p * 4.0).array().round() / 4.0);
-    object.cloud.keys[0].pose.position = position;
-    if (seed > 2) object.cloud.velocity.clear();
-    scene.camera.near = 0.25;
-    expect_same_images(scene, 16, 32, "grid");
   }
 }
 
@@ -367,34 +235,6 @@ TEST(Stochastic, HasTheSameBitsForThreadsCropsAndOrders) {
                   whole.rgba[4 * static_cast<std::size_t>((y + 7) * whole.width + x + 13) + c]);
 }
 
-TEST(Stochastic, CountsWhatItTests) {
-  const Scene scene = soup_scene(31, false);
-  double last = 0.0;
-  for (const int intervals : {1, 8, 64}) {
-    const Statistics counts =
-        rendered(scene, {.samples = 64, .traversal = Traversal::interval, .intervals = intervals}).statistics;
-    const double efficiency = *counts.counter("sample_test_efficiency");
-    EXPECT_EQ(efficiency, *counts.counter("samples_inside") / *counts.counter("samples_tested"));
-    EXPECT_GT(efficiency, last) << intervals;
-    last = efficiency;
-  }
-  // Small tiles and tight bounds test least.
-  const auto tested = [&](int px, CurveBounds bounds) {
-    return *rendered(scene, {.samples = 64, .traversal = Traversal::tile, .tile_px = px, .bounds = bounds})
-                .statistics.counter("samples_tested");
-  };
-  EXPECT_LT(tested(1, CurveBounds::slefes), tested(4, CurveBounds::slefes));
-  EXPECT_LT(tested(1, CurveBounds::slefes), tested(1, CurveBounds::hulls));
-}
-
-TEST(Stochastic, SaysThatABuildLacksTheHierarchy) {
-  const auto result = render_stochastic(test::stage(), {.samples = 1, .traversal = Traversal::hierarchy});
-  EXPECT_EQ(result.ok(), hierarchy_available());
-  if (hierarchy_available()) return;
-  EXPECT_EQ(result.error().kind, ErrorKind::unsupported);
-  EXPECT_NE(result.error().message().find("SWEPT_HIERARCHY"), std::string::npos);
-}
-
 TEST(Stochastic, RefusesWhatItDoesNotDraw) {
   Scene scene = test::stage();
   scene.objects = {test::checkered_sphere(0.8, 20)};
@@ -435,58 +275,6 @@ TEST(Stochastic, ADiscThatFadesIsTheShuttersMean) {
 }
 
 /// In each of a power of two of strata of every dimension there is one sample of a pixel.
-/// Triangles of a pixel or two, which go some way or none.
-Scene small_triangles(double velocity) {
-  Scene scene = test::stage();
-  Object& object = scene.objects.emplace_back();
-  object.cloud.keys.resize(1);
-  SurfelPose& pose = object.cloud.keys[0].pose;
-  for (std::uint32_t t = 0; t < 200; ++t) {
-    const double x = 0.1 * (t % 20) - 1.0, y = 0.1 * (t / 20) - 0.5, a = 0.7 * t;
-    for (const double corner : {0.0, 2.0, 4.0}) {
-      pose.position.push_back({x + 0.06 * std::cos(corner), y + 0.06 * std::sin(corner), 0.0});
-      pose.axis_u.emplace_back(0.01f, 0.0f, 0.0f);
-      pose.axis_v.emplace_back(0.0f, 0.01f, 0.0f);
-      object.cloud.velocity.emplace_back(static_cast<float>(velocity * std::cos(a)),
-                                         static_cast<float>(velocity * std::sin(a)), 0.0f);
-    }
-    object.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-  }
-  object.two_sided = true;
-  return scene;
-}
-
-TEST(Stochastic, ChoosesItsTraversalByAForecast) {
-  for (const double velocity : {0.0, 0.6}) {
-    const Scene scene = small_triangles(velocity);
-    const Rendered chosen = rendered(scene, {.samples = 64}), again = rendered(scene, {.samples = 64}, 1);
-    const double tile = *chosen.statistics.counter("forecast_tile_us"),
-                 interval = *chosen.statistics.counter("forecast_interval_us");
-    EXPECT_GT(tile, 0.0);
-    EXPECT_EQ(interval<tile, velocity> 0.0) << tile << " " << interval;
-    EXPECT_EQ(chosen.statistics.effects.back(), velocity > 0.0
-                                                    ? "traversal: 16 parts of the exposure, by a forecast"
-                                                    : "traversal: 4 px tiles, by a forecast");
-    EXPECT_EQ(tile, *again.statistics.counter("forecast_tile_us"));
-    // What is asked for is not forecast.
-    const Rendered asked = rendered(scene, {.samples = 64, .traversal = Traversal::tile});
-    EXPECT_FALSE(asked.statistics.counter("forecast_tile_us").has_value());
-    EXPECT_EQ(asked.statistics.effects.back(), "traversal: 4 px tiles");
-    EXPECT_EQ(asked.image.rgba, chosen.image.rgba);
-    if (velocity > 0.0) continue;
-    EXPECT_EQ(asked.statistics.counter("samples_tested"), chosen.statistics.counter("samples_tested"));
-  }
-}
-
-TEST(Stochastic, ForecastsOfNothingAreNothing) {
-  Scene scene = small_triangles(0.0);
-  scene.objects[0].transform.keys.resize(1);
-  scene.objects[0].transform.keys[0].translate = {0.0, 100.0, 0.0};
-  const Rendered none = rendered(scene, {.samples = 4});
-  EXPECT_EQ(*none.statistics.counter("forecast_tile_us"), 0.0);
-  EXPECT_EQ(*none.statistics.counter("samples_inside"), 0.0);
-}
-
 TEST(Stochastic, SpreadsSamplesInEveryDimension) {
   Scene scene = test::stage();
   add_lens(scene);
