@@ -128,6 +128,8 @@ TEST(Textures, AreExactOverTime) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Scene scene = soup(seed);
     scene.film = {32, 24, 0, 0, 0, 0};
+    // Among others every place is looked at many times.
+    if (seed >= 3) scene.film = {16, 12, 0, 0, 0, 0};
     if (seed == 3) scene.objects.push_back(soup(9).objects[0]);
     if (seed == 4) {
       Object& discs = scene.objects.emplace_back();
@@ -137,7 +139,7 @@ TEST(Textures, AreExactOverTime) {
     }
     const Result<Rendered> exact = render_abuffer(scene, {});
     ASSERT_TRUE(exact.ok()) << exact.error().message();
-    const double db = psnr_db(exact->image, sampled(scene, 1024));
+    const double db = psnr_db(exact->image, sampled(scene, 256));
     std::printf("seed %u: %.1f dB\n", seed, db);
     EXPECT_GT(db, 70.0) << seed;
   }
