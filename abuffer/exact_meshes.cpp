@@ -104,7 +104,8 @@ bool MeshFragments::gather(const Window& window) {
   intervals_.clear();
   triangles_.clear();
   entry_of_.clear();
-  std::size_t merged = 0;
+  std::size_t merged = 0, looked_at = 0;
+  all_clear_ = true;
   shorten_at_ = lossy_.most() > 0 ? 4096 : std::numeric_limits<std::size_t>::max();
   set_rays(window);
   rows_.clear();
@@ -113,7 +114,11 @@ bool MeshFragments::gather(const Window& window) {
   cover_.start(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height));
   for (const auto& [nearest, index] : order_) {
     if (cover_.hides_tile(nearest)) break;
-    if (!gather_entry(window, entries_[index], nearest)) return false;
+    ++looked_at;
+    if (!gather_entry(window, entries_[index], nearest) || forecast_is_too_many(window, looked_at)) {
+      forecast_halvings(looked_at);
+      return false;
+    }
     if (film_.stop.stop_requested()) return true;
     if (triangles_.size() > entry_of_.size()) entry_of_.push_back(index);
     if (intervals_.size() <= shorten_at_) continue;
@@ -127,6 +132,25 @@ bool MeshFragments::gather(const Window& window) {
   sort_by_place(window);
   if (lossy_.most() > 0) merge_places();
   return true;
+}
+
+/// Whether it is plain from an eighth of the triangles on that all of them have twice as many intervals as
+/// may be held: what is clear hides none of those to come.
+bool MeshFragments::forecast_is_too_many(const Window& window, std::size_t looked_at) const {
+  return window.width * window.height > 1 && all_clear_ && lossy_.most() == 0 &&
+         8 * looked_at >= order_.size() &&
+         static_cast<double>(intervals_.size()) * static_cast<double>(order_.size()) >
+             2.0 * static_cast<double>(film_.interval_limit) * static_cast<double>(looked_at);
+}
+
+/// Of triangles that have as many intervals as those looked at.
+void MeshFragments::forecast_halvings(std::size_t looked_at) {
+  halvings_ = 1;
+  if (!all_clear_ || lossy_.most() > 0) return;
+  double parts = static_cast<double>(intervals_.size()) * static_cast<double>(order_.size()) /
+                 (static_cast<double>(film_.interval_limit) * static_cast<double>(looked_at));
+  // Halves are not quite alike.
+  for (parts *= 1.1; parts > 2.0 && halvings_ < 30; parts *= 0.5) ++halvings_;
 }
 
 void MeshFragments::set_rays(const Window& window) {
@@ -182,7 +206,9 @@ bool MeshFragments::gather_entry(const Window& window, const MeshBins::Entry& en
     }
     if (window.width * window.height > 1 && intervals_.size() > film_.interval_limit) return false;
   }
-  if (intervals_.size() > before) triangles_.push_back(*triangle);
+  if (intervals_.size() == before) return true;
+  triangles_.push_back(*triangle);
+  all_clear_ = all_clear_ && !triangle->opaque;
   return true;
 }
 

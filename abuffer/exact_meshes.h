@@ -48,6 +48,10 @@ class MeshFragments final : public FragmentSource {
   void select(std::size_t tile) override;
   [[nodiscard]] bool gather(const Window& window) override;
 
+  /// After gather() has found more than may be held: how often to halve the window, as far as can be told
+  /// from what it has looked at.
+  [[nodiscard]] int halvings() const { return halvings_; }
+
   /// The intervals of a pixel, which is counted row by row within the window, by place. They may be put into
   /// another order.
   [[nodiscard]] std::span<PlaceInterval> of_pixel(std::size_t local) {
@@ -73,6 +77,8 @@ class MeshFragments final : public FragmentSource {
   [[nodiscard]] Eigen::Vector3d ray(int x, int y, double dx, double dy) const;
   void order_entries();
   [[nodiscard]] bool gather_entry(const Window& window, const MeshBins::Entry& entry, float nearest);
+  [[nodiscard]] bool forecast_is_too_many(const Window& window, std::size_t looked_at) const;
+  void forecast_halvings(std::size_t looked_at);
   void set_rays(const Window& window);
   void meet_pixel(const TriangleStretch& triangle, const RaysOfPixel& rays, const LightOverTime& light,
                   std::uint32_t place, float nearest);
@@ -94,6 +100,8 @@ class MeshFragments final : public FragmentSource {
   std::vector<TriangleStretch> triangles_, reordered_;
   std::vector<PlaceInterval> intervals_, sorted_;
   std::vector<std::size_t> starts_, fill_;
+  bool all_clear_ = true;  ///< none that has intervals is opaque
+  int halvings_ = 1;
   std::size_t met_ = 0, most_held_ = 0, shorten_at_ = 0;
 };
 

@@ -50,25 +50,30 @@ Window TileRenderer::select_what_moves(std::size_t tile, const Window& window) {
   return moved;
 }
 
-bool TileRenderer::gather(const Window& window) {
-  return (!discs_ || discs_->gather(window)) && (!meshes_ || meshes_->gather(window));
+/// 0: its fragments fit. Else how often it has to be halved, as far as can be told.
+int TileRenderer::gather(const Window& window) {
+  if (discs_ && !discs_->gather(window)) return 1;
+  return meshes_ && !meshes_->gather(window) ? meshes_->halvings() : 0;
 }
 
-/// Halves the window until its fragments fit; a single pixel always does.
-void TileRenderer::render_part(const Window& window, bool whole) {
+/// Halves the window, so many times before it is looked at, and until its fragments fit; a single pixel's
+/// always do.
+void TileRenderer::render_part(const Window& window, bool whole, int halvings) {
   if (work_.stop.stop_requested()) return;
-  Stopwatch watch;
-  const bool fits = gather(window);
-  counters_.seconds_rasterize += watch.lap();
-  if (!fits) {
+  if (halvings == 0 || window.width * window.height == 1) {
+    Stopwatch watch;
+    halvings = gather(window);
+    counters_.seconds_rasterize += watch.lap();
+    if (halvings == 0) {
+      resolve(window);
+      counters_.seconds_resolve += watch.lap();
+      return;
+    }
     if (whole) ++counters_.split_tiles;
-    const auto [first, second] = window.halves();
-    render_part(first, false);
-    render_part(second, false);
-    return;
   }
-  resolve(window);
-  counters_.seconds_resolve += watch.lap();
+  const auto [first, second] = window.halves();
+  render_part(first, false, halvings - 1);
+  render_part(second, false, halvings - 1);
 }
 
 void TileRenderer::resolve(const Window& window) {

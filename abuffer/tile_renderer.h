@@ -36,8 +36,8 @@ class TileRenderer {
   [[nodiscard]] SweepCounts counts() const;
 
  private:
-  void render_part(const Window& window, bool whole);
-  [[nodiscard]] bool gather(const Window& window);
+  void render_part(const Window& window, bool whole, int halvings = 0);
+  [[nodiscard]] int gather(const Window& window);
   [[nodiscard]] Window select_what_moves(std::size_t tile, const Window& window);
   void resolve(const Window& window);
   void resolve_pixel(const Window& window, int x, int y, std::size_t local);

@@ -3,22 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/interval/only_root.h"
+
 namespace swept {
 namespace {
 
-constexpr std::array<std::array<double, most_bernstein_degree + 1>, most_bernstein_degree + 1> binomials =
-    [] {
-      std::array<std::array<double, most_bernstein_degree + 1>, most_bernstein_degree + 1> b{};
-      for (std::size_t n = 0; n < b.size(); ++n) {
-        b[n][0] = 1.0;
-        for (std::size_t k = 1; k <= n; ++k) b[n][k] = b[n - 1][k - 1] + (k < n ? b[n - 1][k] : 0.0);
-      }
-      return b;
-    }();
-
 std::size_t size_of(const Bernstein& p) { return static_cast<std::size_t>(p.degree) + 1; }
-
-int sign_of(double v) { return v > 0.0 ? 1 : v < 0.0 ? -1 : 0; }
 
 struct Signs {
   int first = 0, last = 0, changes = 0;
@@ -61,47 +51,6 @@ Bernstein halve(Bernstein& p) {
   return left;
 }
 
-/// Where a polynomial of one change of sign has its root: Newton's steps, halves of the bracket where they
-/// leave it or are not at least twice as short as the one before the last.
-double only_root(const Bernstein& p, int first) {
-  const std::size_t n = size_of(p);
-  const auto& binomial = binomials[n - 1];
-  const auto& of_slope = binomials[n - 2];
-  double weighted[most_bernstein_degree + 1] = {}, slope[most_bernstein_degree + 1] = {};
-  for (std::size_t k = 0; k < n; ++k) weighted[k] = binomial[k] * p.c[k];
-  for (std::size_t k = 0; k + 1 < n; ++k) slope[k] = of_slope[k] * (p.degree * (p.c[k + 1] - p.c[k]));
-  const auto at = [](const double* c, std::size_t last, double t) {
-    const double u = 1.0 - t;
-    if (last == 0) return c[0];
-    double power = 1.0, sum = c[0] * u;
-    for (std::size_t k = 1; k < last; ++k) {
-      power *= t;
-      sum = (sum + power * c[k]) * u;
-    }
-    return sum + power * t * c[last];
-  };
-  double low = 0.0, high = 1.0, t = 0.5;
-  // A chord is a better beginning than the middle.
-  const double c0 = p.c[0], cn = p.c[n - 1];
-  if (sign_of(c0) * sign_of(cn) < 0) t = c0 / (c0 - cn);
-  double before = 2.0, step = 1.0, step_before = 1.0;
-  for (int steps = 0; steps < 120; ++steps) {
-    const double v = at(weighted, n - 1, t);
-    if (v == 0.0) return t;
-    (sign_of(v) == first ? low : high) = t;
-    const double by = v / at(slope, n - 2, t);
-    double next = t - by;
-    if (!(next >= low && next <= high) || !(std::abs(by) <= 0.5 * std::abs(step_before)))
-      next = 0.5 * (low + high);
-    step_before = step;
-    step = next - t;
-    if (next == t || next == before || high - low <= 0x1p-53 * high) return next;
-    before = t;
-    t = next;
-  }
-  return t;
-}
-
 constexpr int most_cuts = 46;  ///< of an interval: where a root lies is known to its 2⁻⁴⁶ then
 
 class Cutter {
@@ -119,7 +68,7 @@ class Cutter {
     }
     if (s.changes == 1) {
       meet(s.first, begin);
-      meet(s.last, begin + width * only_root(p, s.first));
+      meet(s.last, begin + width * only_root<0>(p.c.data(), p.degree, s.first));
       return;
     }
     const Bernstein left = halve(p);
@@ -210,7 +159,7 @@ SignChanges four_roots(const Bernstein& p, const Signs& s) {
     for (std::size_t k = 4; k >= level; --k) wide.c[k] = wide.c[k - 1] + 1.5 * (wide.c[k] - wide.c[k - 1]);
   const bool reversed = std::abs(wide.c[0]) > std::abs(wide.c[4]);
   double c[5];
-  for (std::size_t k = 0; k < 5; ++k) c[k] = binomials[4][k] * wide.c[reversed ? 4 - k : k];
+  for (std::size_t k = 0; k < 5; ++k) c[k] = bernstein_binomials[4][k] * wide.c[reversed ? 4 - k : k];
   double x[4];
   int n = 0;
   // Both ends at zero: rare, and left to the other way.
@@ -283,7 +232,7 @@ SignChanges four_roots(const Bernstein& p, const Signs& s) {
 double Bernstein::at(double t) const {
   if (degree == 0) return c[0];
   const double u = 1.0 - t;
-  const auto& binomial = binomials[static_cast<std::size_t>(degree)];
+  const auto& binomial = bernstein_binomials[static_cast<std::size_t>(degree)];
   const auto last = static_cast<std::size_t>(degree);
   double power = 1.0, sum = c[0] * u;
   for (std::size_t k = 1; k < last; ++k) {
@@ -332,9 +281,9 @@ double Bernstein::largest() const {
 Bernstein product(const Bernstein& a, const Bernstein& b) {
   Bernstein p;
   p.degree = a.degree + b.degree;
-  const auto &of_a = binomials[static_cast<std::size_t>(a.degree)],
-             &of_b = binomials[static_cast<std::size_t>(b.degree)],
-             &of_p = binomials[static_cast<std::size_t>(p.degree)];
+  const auto &of_a = bernstein_binomials[static_cast<std::size_t>(a.degree)],
+             &of_b = bernstein_binomials[static_cast<std::size_t>(b.degree)],
+             &of_p = bernstein_binomials[static_cast<std::size_t>(p.degree)];
   for (std::size_t i = 0; i < size_of(a); ++i)
     for (std::size_t j = 0; j < size_of(b); ++j) p.c[i + j] += (of_a[i] * a.c[i]) * (of_b[j] * b.c[j]);
   for (std::size_t k = 0; k < size_of(p); ++k) p.c[k] /= of_p[k];

@@ -13,7 +13,7 @@ endif()
 
 # Public headers. Those of splat/ are, but for what its own sources share; of other folders only these.
 file(GLOB_RECURSE swept_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} splat/*.h)
-list(FILTER swept_headers EXCLUDE REGEX "/io/|/(cut|turns|instant|look|path|rims|bernstein|fixed_bernstein|edge_function|kernel_maker|kernel_order|bent_kernel|turning_kernel|scene_filter|flip|srgb|stopwatch|without_throwing)\\.h$")
+list(FILTER swept_headers EXCLUDE REGEX "/io/|/(cut|turns|instant|look|path|rims|bernstein|fixed_bernstein|only_root|edge_function|kernel_maker|kernel_order|bent_kernel|turning_kernel|scene_filter|flip|srgb|stopwatch|without_throwing)\\.h$")
 foreach(header atomic_file cloud_scene cloud_source image_file point_file read_report scene_file sequence splat_file
         stitch_exr surfel_estimate texture_file)
   list(APPEND swept_headers splat/io/${header}.h)
