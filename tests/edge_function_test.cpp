@@ -11,6 +11,7 @@
 #include "splat/fields.h"
 #include "splat/interval/bernstein.h"
 #include "splat/interval/edge_function.h"
+#include "splat/interval/only_root.h"
 #include "tests/oracle/of_roots.h"
 
 namespace swept {
@@ -116,6 +117,22 @@ TEST(EdgeFunction, TwoSolversAgreeOverAMillionEdges) {
   RecordProperty("changes", std::to_string(agreement.changes));
   RecordProperty("within_noise", std::to_string(agreement.within_noise));
   RecordProperty("worst", shortest_text(agreement.worst));
+}
+
+TEST(EdgeFunction, LoneRootsHaveTheSameBitsAtAFixedDegree) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> exponent(-6.0, 3.0);
+  std::uniform_int_distribution<std::size_t> positives(1, 4);
+  for (int n = 0; n < 20000; ++n) {
+    Bernstein p;
+    p.degree = 4;
+    const std::size_t change = positives(random);
+    for (std::size_t k = 0; k < 5; ++k) p.c[k] = (k < change ? 1.0 : -1.0) * std::pow(10.0, exponent(random));
+    const double root = only_root<4>(p.c.data(), 4, 1);
+    ASSERT_EQ(root, only_root<0>(p.c.data(), 4, 1)) << n;
+    ASSERT_GE(p.at(std::max(0.0, root - 1e-12)), 0.0) << n;
+    ASSERT_LE(p.at(std::min(1.0, root + 1e-12)), 0.0) << n;
+  }
 }
 
 TEST(EdgeFunction, SolversFindTheRootsThatArePutIn) {
