@@ -134,23 +134,23 @@ bool MeshFragments::gather(const Window& window) {
   return true;
 }
 
-/// Whether it is plain from an eighth of the triangles on that all of them have twice as many intervals as
-/// may be held: what is clear hides none of those to come.
-bool MeshFragments::forecast_is_too_many(const Window& window, std::size_t looked_at) const {
-  return window.width * window.height > 1 && all_clear_ && lossy_.most() == 0 &&
-         8 * looked_at >= order_.size() &&
-         static_cast<double>(intervals_.size()) * static_cast<double>(order_.size()) >
-             2.0 * static_cast<double>(film_.interval_limit) * static_cast<double>(looked_at);
+/// How many times what may be held all triangles have, if they have as many intervals as those looked at; 0
+/// where that cannot be told. What is clear hides none of those to come.
+double MeshFragments::forecast(std::size_t looked_at) const {
+  if (!all_clear_ || lossy_.most() > 0) return 0.0;
+  return static_cast<double>(intervals_.size()) * static_cast<double>(order_.size()) /
+         (static_cast<double>(film_.interval_limit) * static_cast<double>(looked_at));
 }
 
-/// Of triangles that have as many intervals as those looked at.
+/// Whether that is plain from an eighth of the triangles on.
+bool MeshFragments::forecast_is_too_many(const Window& window, std::size_t looked_at) const {
+  return window.width * window.height > 1 && 8 * looked_at >= order_.size() && forecast(looked_at) > 2.0;
+}
+
 void MeshFragments::forecast_halvings(std::size_t looked_at) {
   halvings_ = 1;
-  if (!all_clear_ || lossy_.most() > 0) return;
-  double parts = static_cast<double>(intervals_.size()) * static_cast<double>(order_.size()) /
-                 (static_cast<double>(film_.interval_limit) * static_cast<double>(looked_at));
   // Halves are not quite alike.
-  for (parts *= 1.1; parts > 2.0 && halvings_ < 30; parts *= 0.5) ++halvings_;
+  for (double parts = 1.1 * forecast(looked_at); parts > 2.0 && halvings_ < 30; parts *= 0.5) ++halvings_;
 }
 
 void MeshFragments::set_rays(const Window& window) {

@@ -77,6 +77,7 @@ class MeshFragments final : public FragmentSource {
   [[nodiscard]] Eigen::Vector3d ray(int x, int y, double dx, double dy) const;
   void order_entries();
   [[nodiscard]] bool gather_entry(const Window& window, const MeshBins::Entry& entry, float nearest);
+  [[nodiscard]] double forecast(std::size_t looked_at) const;
   [[nodiscard]] bool forecast_is_too_many(const Window& window, std::size_t looked_at) const;
   void forecast_halvings(std::size_t looked_at);
   void set_rays(const Window& window);

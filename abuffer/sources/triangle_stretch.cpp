@@ -55,22 +55,6 @@ struct Sides {
   [[nodiscard]] int sign(int k) const { return k % 2 == 0 ? first : -first; }
 };
 
-/// Whether its coefficients change their sign once, and which sign they begin with.
-template <int degree>
-bool one_change(const FixedBernstein<degree>& p, int& first) {
-  int last = 0, changes = 0;
-  first = 0;
-  for (const double v : p.c) {
-    if (!std::isfinite(v)) return false;
-    const int sign = sign_of(v);
-    if (sign == 0) continue;
-    if (last == 0) first = sign;
-    if (last != 0 && sign != last) ++changes;
-    last = sign;
-  }
-  return changes == 1;
-}
-
 template <int n>
 Sides sides_of(const FixedBernstein<2 * n>& e, const EdgeFunction& edge, const Eigen::Vector3d& ray) {
   Sides sides;
@@ -87,10 +71,15 @@ Sides sides_of(const FixedBernstein<2 * n>& e, const EdgeFunction& edge, const E
                  below = e.c[0] <= 0.0 && e.c[1] <= 0.0 && e.c[2] <= 0.0;
       if (!above && !below) sides.count = quadratic_sign_changes(e.c, sides.at);
       return sides;
-    } else if (one_change(e, sides.first)) {
-      sides.count = 1;
-      sides.at[0] = only_root<2 * n>(e.c, 2 * n, sides.first);
-      return sides;
+    } else {
+      const CoefficientSigns signs = signs_of(e.c, e.size);
+      const bool finite = std::all_of(e.c, e.c + e.size, [](double v) { return std::isfinite(v); });
+      if (signs.changes == 1 && finite) {
+        sides.first = signs.first;
+        sides.count = 1;
+        sides.at[0] = only_root<2 * n>(e.c, 2 * n, sides.first);
+        return sides;
+      }
     }
   }
   const SignChanges changes = edge.sides(ray);

@@ -10,21 +10,7 @@ namespace {
 
 std::size_t size_of(const Bernstein& p) { return static_cast<std::size_t>(p.degree) + 1; }
 
-struct Signs {
-  int first = 0, last = 0, changes = 0;
-};
-
-Signs signs_of(const Bernstein& p) {
-  Signs s;
-  for (std::size_t k = 0; k < size_of(p); ++k) {
-    const int sign = sign_of(p.c[k]);
-    if (sign == 0) continue;
-    if (s.first == 0) s.first = sign;
-    if (s.last != 0 && sign != s.last) ++s.changes;
-    s.last = sign;
-  }
-  return s;
-}
+CoefficientSigns signs_of(const Bernstein& p) { return signs_of(p.c.data(), size_of(p)); }
 
 /// Of a size at which squares and quotients of coefficients are in range; false: not finite.
 bool in_range(Bernstein& p) {
@@ -58,7 +44,7 @@ class Cutter {
   SignChanges changes;
 
   void add(Bernstein p, double begin, double width, int depth) {
-    const Signs s = signs_of(p);
+    const CoefficientSigns s = signs_of(p);
     if (s.first == 0) return;
     if (s.changes == 0 || depth == most_cuts) {
       meet(s.first, begin);
@@ -149,7 +135,7 @@ int quartic_roots(double a, double b, double c, double d, double (&out)[4]) {
   return n;
 }
 
-SignChanges four_roots(const Bernstein& p, const Signs& s) {
+SignChanges four_roots(const Bernstein& p, const CoefficientSigns& s) {
   // In r = (1 + t)/(2 − t), of which [½, 2] is what is sought: no root of interest is near 0 or infinity. Its
   // coefficients are those over [−1, 2], seen from the end whose coefficient is larger.
   Bernstein wide = p;
@@ -325,7 +311,7 @@ int quadratic_sign_changes(const double* c, double* at) {
 SignChanges sign_changes_closed(const Bernstein& polynomial) {
   Bernstein p = polynomial;
   if (!in_range(p)) return {};
-  const Signs s = signs_of(p);
+  const CoefficientSigns s = signs_of(p);
   SignChanges changes;
   changes.first = s.first;
   if (s.changes == 0) return changes;

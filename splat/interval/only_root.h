@@ -22,6 +22,23 @@ inline constexpr std::array<std::array<double, most_bernstein_degree + 1>, most_
 
 inline int sign_of(double v) { return v > 0.0 ? 1 : v < 0.0 ? -1 : 0; }
 
+/// Of coefficients, but for those that are 0.
+struct CoefficientSigns {
+  int first = 0, last = 0, changes = 0;
+};
+
+inline CoefficientSigns signs_of(const double* c, std::size_t count) {
+  CoefficientSigns s;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int sign = sign_of(c[k]);
+    if (sign == 0) continue;
+    if (s.first == 0) s.first = sign;
+    if (s.last != 0 && sign != s.last) ++s.changes;
+    s.last = sign;
+  }
+  return s;
+}
+
 /// Where Σ c[k] binomial(degree, k) tᵏ (1 − t)^(degree − k) is 0, whose sign is `first` before: Newton's
 /// steps, halves of the bracket where they leave it or are not at least twice as short as the one before the
 /// last. `fixed` is the degree, or 0 where it is not known when this is compiled; that changes no operation.
