@@ -10,7 +10,7 @@ namespace {
 
 std::size_t size_of(const Bernstein& p) { return static_cast<std::size_t>(p.degree) + 1; }
 
-CoefficientSigns signs_of(const Bernstein& p) { return signs_of(p.c.data(), size_of(p)); }
+CoefficientSigns signs_of(const Bernstein& p) { return swept::signs_of(p.c.data(), size_of(p)); }
 
 /// Of a size at which squares and quotients of coefficients are in range; false: not finite.
 bool in_range(Bernstein& p) {
