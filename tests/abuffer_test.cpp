@@ -12,6 +12,7 @@
 
 #include "abuffer/reference/reference.h"
 #include "tests/counter.h"
+#include "tests/image_difference.h"
 #include "tests/small_scenes.h"
 
 namespace swept {
@@ -219,15 +220,7 @@ TEST(Abuffer, CropEqualsThosePixelsOfTheFrame) {
   scene.film.crop_height = 22;
   const Image crop = render(scene);
   ASSERT_EQ(crop.width, 31);
-  for (int y = 0; y < crop.height; ++y) {
-    const std::size_t from = static_cast<std::size_t>((y + 9) * full.width + 13),
-                      to = static_cast<std::size_t>(y * 31);
-    EXPECT_TRUE(same_bits(std::span(full.rgba).subspan(4 * from, 4 * 31),
-                          std::span(crop.rgba).subspan(4 * to, 4 * 31)))
-        << y;
-    EXPECT_TRUE(same_bits(std::span(full.depth).subspan(from, 31), std::span(crop.depth).subspan(to, 31)))
-        << y;
-  }
+  EXPECT_TRUE(test::is_crop_of(crop, full));
 }
 
 TEST(Abuffer, WhatDoesNotMoveIsTheStillImageBitForBit) {

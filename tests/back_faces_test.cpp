@@ -10,6 +10,7 @@
 #include "abuffer/sources/moving_mesh.h"
 #include "abuffer/tiles/mesh_facing.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 
 namespace swept {
@@ -48,7 +49,7 @@ AbufferOptions both_ends() {
 TEST(BackFaces, AtBothEndsMayBeFrontsBetween) {
   const Scene front_between = turns_over_and_back(false), front_at_ends = turns_over_and_back(true);
   for (const Scene& scene : {front_between, front_at_ends}) {
-    const Image image = test::exact(scene).image, truth = test::smooth_reference(scene, 1024);
+    const Image image = test::exact(scene).image, truth = test::reference(scene, 1024);
     EXPECT_GT(light_of(image), 2.0);
     EXPECT_GT(test::psnr_db(image, truth), 70.0);
   }

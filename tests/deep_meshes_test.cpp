@@ -8,6 +8,7 @@
 
 #include "splat/deep_image.h"
 #include "tests/deep_flattened.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 #include "tests/small_scenes.h"
 

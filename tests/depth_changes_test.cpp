@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/resolve/depth_changes.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 
 namespace swept {

@@ -15,9 +15,10 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/sampled.h"
 #include "abuffer/sources/triangle_stretch.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
+#include "tests/image_difference.h"
 #include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
 
@@ -28,7 +29,7 @@ using test::add_point;
 using test::exact;
 using test::psnr_db;
 using test::rectangle;
-using test::stills;
+using test::sampled;
 
 Scene stage(int width = 40, int height = 30) { return test::mesh_stage(width, height, 30.0 / 64.0); }
 
@@ -80,7 +81,7 @@ TEST(ExactMeshes, AreTheMeanOfManyInstants) {
           for (TransformKey& key : scene.objects[0].transform.keys) key.scale = {-1.0, 1.0, 1.0};
         }
         const Rendered rendered = exact(scene);
-        const Image &image = rendered.image, truth = stills(scene, 1024);
+        const Image &image = rendered.image, truth = sampled(scene, 1024);
         EXPECT_GT(psnr_db(image, truth), 70.0) << transparent << turning << two_sided;
         EXPECT_EQ(test::counter(rendered, "path_degree"), turning ? 2.0 : 1.0);
         for (std::size_t i = 0; i < truth.depth.size(); ++i) {
@@ -147,7 +148,7 @@ TEST(ExactMeshes, FollowAnyMotionAndAnyShutter) {
     Scene scene = stage();
     scene.objects = {test::triangle_soup(30, 9, true)};
     change(scene);
-    EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 1024)), 70.0) << name;
+    EXPECT_GT(psnr_db(exact(scene).image, sampled(scene, 1024)), 70.0) << name;
   }
 }
 
@@ -162,7 +163,7 @@ TEST(ExactMeshes, AreTheMeanWhereNobodyChoseThem) {
     if (seed % 5 == 0)
       for (Eigen::Vector3d& p : scene.objects[0].cloud.keys[0].pose.position)
         p = (p * 4.0).array().round() / 4.0;
-    EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 512)), 62.0) << seed;
+    EXPECT_GT(psnr_db(exact(scene).image, sampled(scene, 512)), 62.0) << seed;
   }
 }
 
@@ -216,7 +217,7 @@ TEST(ExactMeshes, KeepTheirShapeThroughAQuarterTurn) {
   turn(scene.objects[0], {0, 0, 1}, 0.5 * M_PI);
   for (TransformKey& key : scene.objects[0].transform.keys) key.translate = {0, 0, 2.0};
   const Image image = exact(scene).image;
-  EXPECT_GT(psnr_db(image, stills(scene, 2048)), 70.0);
+  EXPECT_GT(psnr_db(image, sampled(scene, 2048)), 70.0);
   // All of the light of the bar is its area, at each instant; along chords it would lose a third of it.
   // Places count an area to about a thousandth.
   double light = 0.0;
@@ -230,7 +231,7 @@ TEST(ExactMeshes, AreARotatingFan) {
   scene.objects = {fan(14)};
   turn(scene.objects[0], {0.1, 0.2, 1.0}, 2.0);
   for (TransformKey& key : scene.objects[0].transform.keys) key.translate = {0, 0, 2.5};
-  EXPECT_GT(psnr_db(exact(scene).image, stills(scene, 1024)), 70.0);
+  EXPECT_GT(psnr_db(exact(scene).image, sampled(scene, 1024)), 70.0);
 }
 
 /// A sheet of many triangles of all shapes covers every place once at all times: no gap, and where it lets
@@ -284,11 +285,7 @@ TEST(ExactMeshes, HaveTheSameBitsHoweverTheyAreDrawn) {
   EXPECT_EQ(exact(scene).image.rgba, first.rgba);
   scene.film.crop_x = 13, scene.film.crop_y = 10, scene.film.crop_width = 30, scene.film.crop_height = 27;
   const Image crop = exact(scene).image;
-  for (int y = 0; y < crop.height; ++y)
-    for (int x = 0; x < crop.width; ++x)
-      for (std::size_t c = 0; c < 4; ++c)
-        ASSERT_EQ(crop.rgba[4 * static_cast<std::size_t>(y * crop.width + x) + c],
-                  first.rgba[4 * static_cast<std::size_t>((y + 10) * first.width + x + 13) + c]);
+  EXPECT_TRUE(test::is_crop_of(crop, first));
 }
 
 /// A row of a rolling shutter is that row of the scene exposed later.
@@ -429,7 +426,7 @@ TEST_F(ExactMeshFiles, AreARealHorse) {
   ASSERT_TRUE(file.ok()) << file.error().message();
   const auto loaded = file->scene_at(3.0, test::dots);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
-  EXPECT_GT(psnr_db(exact(**loaded).image, stills(**loaded, 1024)), 70.0);
+  EXPECT_GT(psnr_db(exact(**loaded).image, sampled(**loaded, 1024)), 70.0);
 }
 
 }  // namespace

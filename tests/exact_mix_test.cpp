@@ -9,8 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/sampled.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
+#include "tests/image_difference.h"
 #include "tests/mesh_scenes.h"
 
 namespace swept {
@@ -20,8 +21,8 @@ using test::add_point;
 using test::exact;
 using test::psnr_db;
 
-Image stills(const Scene& scene, int samples = 1024) { return test::stills(scene, samples); }
-Image reference(const Scene& scene, int samples = 1024) { return test::smooth_reference(scene, samples); }
+Image stills(const Scene& scene, int samples = 1024) { return test::sampled(scene, samples); }
+Image reference(const Scene& scene, int samples = 1024) { return test::reference(scene, samples); }
 Scene stage(int width = 40, int height = 30) { return test::mesh_stage(width, height, 30.0 / 64.0); }
 
 Object rectangle(const Eigen::Vector3d& middle, double half_width, double half_height,
@@ -192,11 +193,7 @@ TEST(ExactMix, HasTheSameBitsHoweverItIsDrawn) {
   EXPECT_EQ(exact(scene).image.rgba, first.rgba);
   scene.film.crop_x = 10, scene.film.crop_y = 8, scene.film.crop_width = 30, scene.film.crop_height = 33;
   const Image crop = exact(scene).image;
-  for (int y = 0; y < crop.height; ++y)
-    for (int x = 0; x < crop.width; ++x)
-      for (std::size_t c = 0; c < 4; ++c)
-        ASSERT_EQ(crop.rgba[4 * static_cast<std::size_t>(y * crop.width + x) + c],
-                  first.rgba[4 * static_cast<std::size_t>((y + 8) * first.width + x + 10) + c]);
+  EXPECT_TRUE(test::is_crop_of(crop, first));
 }
 
 /// Where nothing moves one instant is all there is.

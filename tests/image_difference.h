@@ -1,9 +1,10 @@
-// How far an image is from the reference.
+// How far an image is from the reference, and whether a crop is the whole's bits.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,26 @@ inline ImageDifference difference_of(const Image& image, const Image& reference)
   difference.color = std::sqrt(difference.color / static_cast<double>(image.rgba.size()));
   difference.depth = std::sqrt(difference.depth / static_cast<double>(image.depth.size()));
   return difference;
+}
+
+/// PSNR over red, green, blue and alpha for peak 1, at most 180.
+inline double decibels(const Image& image, const Image& reference) {
+  return -20.0 * std::log10(std::max(difference_of(image, reference).color, 1e-9));
+}
+
+/// The crop's pixels and depths are those of the whole film, bit for bit.
+inline testing::AssertionResult is_crop_of(const Image& crop, const Image& whole) {
+  if (crop.pixel_count() == 0) return testing::AssertionFailure() << "an empty crop";
+  for (int y = 0; y < crop.height; ++y)
+    for (int x = 0; x < crop.width; ++x) {
+      const auto a = static_cast<std::size_t>(y * crop.width + x),
+                 b = static_cast<std::size_t>((y + crop.y) * whole.width + x + crop.x);
+      if (std::memcmp(&crop.rgba[4 * a], &whole.rgba[4 * b], 4 * sizeof(float)) != 0)
+        return testing::AssertionFailure() << "another colour at " << x << ", " << y << " of the crop";
+      if (!crop.depth.empty() && std::memcmp(&crop.depth[a], &whole.depth[b], sizeof(float)) != 0)
+        return testing::AssertionFailure() << "another depth at " << x << ", " << y << " of the crop";
+    }
+  return testing::AssertionSuccess();
 }
 
 }  // namespace swept::test

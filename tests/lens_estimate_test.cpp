@@ -9,36 +9,23 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/lens_looks.h"
-#include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
 #include "abuffer/stochastic/stochastic.h"
+#include "tests/drawn.h"
+#include "tests/image_difference.h"
 #include "tests/small_scenes.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
 namespace {
 
-Rendered rendered(const Scene& scene, const SampledOptions& options) {
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  return result.ok() ? std::move(*result) : Rendered{};
-}
+using test::reference;
+
 Rendered to_db(const Scene& scene, double db) {
   SampledOptions options;
   options.max_error_db = db;
-  return rendered(scene, options);
+  return test::value_of(render_sampled(scene, options));
 }
-Image with_samples(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  return rendered(scene, options).image;
-}
-Image reference(const Scene& scene, int samples) {
-  Result<Rendered> result = render_reference(scene, {samples, ReferenceMotion::smooth});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  return result.ok() ? std::move(result->image) : Image{};
-}
-
 void open_lens(Scene& scene, double diameter, double focus, int points = 0, int blades = 0) {
   scene.camera.aperture = {0.5 * diameter, blades, 0.0, points};
   for (LookAtKey& key : scene.camera.look_ats) key.lens.focus = focus;
@@ -98,7 +85,7 @@ Scene any_scene(unsigned seed) {
 Image truth_of(const Scene& scene, int instants) {
   Scene many = scene;
   many.camera.aperture.samples = 4096;
-  return with_samples(many, 4096 * instants);
+  return test::sampled(many, 4096 * instants);
 }
 
 TEST(LensEstimate, MeetsWhatIsAskedForOnScenesItWasNotMadeFor) {
@@ -147,14 +134,14 @@ TEST(LensEstimate, WhatIsNotBlurredTakesFewLooks) {
   // With an estimate there is a channel of it, and time can be spent by it.
   SampledOptions options;
   options.error_channel = true;
-  const Rendered estimated = rendered(scene, options);
+  const Rendered estimated = test::value_of(render_sampled(scene, options));
   ASSERT_EQ(estimated.image.channels.size(), 1u);
   double most = 0.0;
   for (const float error : estimated.image.channels[0].values) most = std::max(most, double{error});
   EXPECT_GT(most, 0.0);
   options = {};
   options.max_seconds = 0.2;
-  EXPECT_GE(test::psnr_db(rendered(scene, options).image, blurred.image), 30.0);
+  EXPECT_GE(test::psnr_db(test::value_of(render_sampled(scene, options)).image, blurred.image), 30.0);
 }
 
 TEST(LensEstimate, CropsAndThreadsChangeNoBit) {
@@ -168,10 +155,7 @@ TEST(LensEstimate, CropsAndThreadsChangeNoBit) {
   EXPECT_EQ(render_sampled(scene, options, control)->image.rgba, whole.rgba);
   scene.film.crop_x = 50, scene.film.crop_y = 40, scene.film.crop_width = 33, scene.film.crop_height = 37;
   const Image crop = to_db(scene, 50.0).image;
-  for (int y = 0; y < 37; ++y)
-    for (int x = 0; x < 4 * 33; ++x)
-      ASSERT_EQ(crop.rgba[static_cast<std::size_t>(4 * y * 33 + x)],
-                whole.rgba[static_cast<std::size_t>(4 * ((y + 40) * 160 + 50) + x)]);
+  EXPECT_TRUE(test::is_crop_of(crop, whole));
 }
 
 /// Triangles near and far, opaque and not, two meshes of them, which turn.
@@ -194,14 +178,14 @@ Scene of_triangles(bool moves) {
 TEST(LensOfTriangles, IsThatOfTheReference) {
   Scene scene = of_triangles(false);
   open_lens(scene, 0.3, 5.0, 24, 5);
-  EXPECT_GE(test::psnr_db(with_samples(scene, 1), reference(scene, 2)), 70.0);
+  EXPECT_GE(test::psnr_db(test::sampled(scene, 1), reference(scene, 2)), 70.0);
   scene = of_triangles(true);
   open_lens(scene, 0.3, 5.0, 8);
   // Keyed: the focus is pulled while the shutter is open.
   scene.camera.look_ats.push_back(scene.camera.look_ats.front());
   scene.camera.look_ats[1].frame = 1.0;
   scene.camera.look_ats[1].lens.focus = 4.0;
-  EXPECT_GE(test::psnr_db(with_samples(scene, 8 * 128), reference(scene, 128)), 70.0);
+  EXPECT_GE(test::psnr_db(test::sampled(scene, 8 * 128), reference(scene, 128)), 70.0);
   // Every point exactly.
   const Result<Rendered> swept = render_abuffer(scene);
   ASSERT_TRUE(swept.ok()) << swept.error().message();
@@ -210,7 +194,7 @@ TEST(LensOfTriangles, IsThatOfTheReference) {
   open_lens(scene, 0.3, 5.0);
   const Rendered image = to_db(scene, 60.0);
   scene.camera.aperture.samples = 1024;
-  EXPECT_GE(test::psnr_db(image.image, with_samples(scene, 2048)), 58.0);
+  EXPECT_GE(test::psnr_db(image.image, test::sampled(scene, 2048)), 58.0);
   EXPECT_GE(image.statistics.counter("expected_psnr_db").value_or(0.0), 60.0);
   // A mesh by itself.
   scene.objects.resize(1);
@@ -218,7 +202,7 @@ TEST(LensOfTriangles, IsThatOfTheReference) {
   options.samples = 2048;
   const auto random = render_stochastic(scene, options);
   ASSERT_TRUE(random.ok());
-  EXPECT_GE(test::psnr_db(with_samples(scene, 2048), random->image), 38.0);
+  EXPECT_GE(test::psnr_db(test::sampled(scene, 2048), random->image), 38.0);
 }
 
 TEST(LensOfTriangles, AmongDiscs) {
@@ -227,7 +211,7 @@ TEST(LensOfTriangles, AmongDiscs) {
   test::move(ball, {0.3, 0, -1}, {-0.3, 0.1, -0.5});
   scene.objects.push_back(std::move(ball));
   open_lens(scene, 0.3, 5.0, 8);
-  EXPECT_GE(test::psnr_db(with_samples(scene, 8 * 64), reference(scene, 64)), 60.0);
+  EXPECT_GE(test::psnr_db(test::sampled(scene, 8 * 64), reference(scene, 64)), 60.0);
 }
 
 TEST(LensOfSplats, IsThatOfTheReference) {
@@ -240,13 +224,13 @@ TEST(LensOfSplats, IsThatOfTheReference) {
       for (Eigen::Vector3f& scale : cloud.scale) scale.z() = 0.0f;
     scene.shutter = {0.5, 0.5};
     open_lens(scene, 0.4, 6.0, 16, 6);
-    EXPECT_GE(test::psnr_db(with_samples(scene, 1), reference(scene, 2)), 90.0) << flat;
+    EXPECT_GE(test::psnr_db(test::sampled(scene, 1), reference(scene, 2)), 90.0) << flat;
     scene.shutter = {0.0, 1.0};
-    EXPECT_GE(test::psnr_db(with_samples(scene, 16 * 16), reference(scene, 16)), 70.0) << flat;
+    EXPECT_GE(test::psnr_db(test::sampled(scene, 16 * 16), reference(scene, 16)), 70.0) << flat;
     open_lens(scene, 0.4, 6.0);
     const Rendered image = to_db(scene, 60.0);
     scene.camera.aperture.samples = 2048;
-    EXPECT_GE(test::psnr_db(image.image, with_samples(scene, 4096)), 60.0) << flat;
+    EXPECT_GE(test::psnr_db(image.image, test::sampled(scene, 4096)), 60.0) << flat;
   }
 }
 
@@ -263,9 +247,9 @@ TEST(LensOfSplats, ARadiusOfZeroKeepsEveryBit) {
 
 TEST(LensOfSplats, ASplatInFocusStaysSharp) {
   Scene scene = test::one_splat({0.1, 0.2, 4.0}, 0.1f, 0.9f, 0.7f);
-  const Image sharp = with_samples(scene, 1);
+  const Image sharp = test::sampled(scene, 1);
   open_lens(scene, 1.0, 4.0, 64);
-  EXPECT_GE(test::psnr_db(with_samples(scene, 1), sharp), 60.0);
+  EXPECT_GE(test::psnr_db(test::sampled(scene, 1), sharp), 60.0);
   // Spread over 8 px. Of a Gaussian of variance s² and a disc of radius R, whose variance is R²/4 along each
   // axis, the peak falls to s²/(s² + R²/4) but for the disc not being a Gaussian: 1.6² + 0.3 px² to 4 px²
   // more.
@@ -275,7 +259,7 @@ TEST(LensOfSplats, ASplatInFocusStaysSharp) {
     for (std::size_t p = 0; p < image.pixel_count(); ++p) most = std::max(most, image.rgba[4 * p + 3]);
     return double{most};
   };
-  EXPECT_NEAR(peak(with_samples(scene, 1)) / peak(sharp), 2.86 / 6.86, 0.1);
+  EXPECT_NEAR(peak(test::sampled(scene, 1)) / peak(sharp), 2.86 / 6.86, 0.1);
 }
 
 }  // namespace

@@ -1,17 +1,11 @@
-// Scenes of triangles that several tests draw, and what draws them.
+// Scenes of triangles that several tests draw.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <random>
 #include <utility>
 
-#include <gtest/gtest.h>
-
-#include "abuffer/abuffer.h"
-#include "abuffer/reference/reference.h"
-#include "abuffer/sampled.h"
 #include "tests/splat_scenes.h"
 
 namespace swept::test {
@@ -79,31 +73,6 @@ inline Object triangle_soup(int triangles, unsigned seed, bool transparent, doub
     object.triangles.push_back({first, first + 1, first + 2});
   }
   return object;
-}
-
-inline Rendered exact(const Scene& scene, const AbufferOptions& options = {}, int threads = 0) {
-  RenderControl control;
-  control.threads = threads;
-  Result<Rendered> result = render_abuffer(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
-inline Image stills(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-inline Image smooth_reference(const Scene& scene, int samples) {
-  Result<Rendered> result = render_reference(scene, {samples, ReferenceMotion::smooth});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
 }
 
 }  // namespace swept::test

@@ -8,12 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/reference/splat_reference.h"
-#include "abuffer/sampled.h"
 #include "splat/io/cloud_scene.h"
 #include "splat/io/read_splats.h"
 #include "tests/cloud_files.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
 #include "tests/point_files.h"
 #include "tests/splat_scenes.h"
 
@@ -51,22 +50,6 @@ Scene at_frame(Scene scene, double frame, double open, double close) {
   return scene;
 }
 
-Rendered drawn(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
-Image judged(const Scene& scene, int samples) {
-  Result<Rendered> result = render_splat_reference(scene, {samples, 0});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
 TEST(MovingSplats, AStillIsTheReferencesAtAnyTime) {
   for (const bool flat : {false, true}) {
     Scene scene = clip(600, 41);
@@ -79,8 +62,8 @@ TEST(MovingSplats, AStillIsTheReferencesAtAnyTime) {
     Image before;
     for (const double frame : {3.0, 7.4, 13.0, 21.5}) {
       const Scene still = at_frame(scene, frame, 0.0, 0.0);
-      Image image = drawn(still, 1).image;
-      EXPECT_GE(psnr_db(image, judged(still, 1)), 80.0) << frame << ' ' << flat;
+      Image image = test::rendered(still, 1).image;
+      EXPECT_GE(psnr_db(image, test::splat_reference(still, 1)), 80.0) << frame << ' ' << flat;
       // A test that can fail: time passes.
       if (!before.rgba.empty()) {
         EXPECT_LE(psnr_db(image, before), 40.0) << frame << ' ' << flat;
@@ -92,7 +75,7 @@ TEST(MovingSplats, AStillIsTheReferencesAtAnyTime) {
 
 TEST(MovingSplats, BlurredAtTheSameInstantsTheyAreTheReferences) {
   Scene scene = at_frame(clip(600, 42), 11.0, -0.5, 0.5);
-  EXPECT_GE(psnr_db(drawn(scene, 8).image, judged(scene, 8)), 80.0);
+  EXPECT_GE(psnr_db(test::rendered(scene, 8).image, test::splat_reference(scene, 8)), 80.0);
   // With all else that may move, and a shutter that opens slowly.
   scene.objects[0].transform.keys = {{10.0, {0, 0, 0}}, {12.0, {0.3, -0.2, 0.5}}};
   scene.objects[0].transform.keys[1].rotate_axis = {0, 0, 1};
@@ -102,7 +85,7 @@ TEST(MovingSplats, BlurredAtTheSameInstantsTheyAreTheReferences) {
   to.eye.x() += 0.4;
   scene.camera.look_ats.push_back(to);
   scene.shutter.curve = ShutterShape::trapezoid;
-  EXPECT_GE(psnr_db(drawn(scene, 8).image, judged(scene, 8)), 80.0);
+  EXPECT_GE(psnr_db(test::rendered(scene, 8).image, test::splat_reference(scene, 8)), 80.0);
 }
 
 TEST(MovingSplats, TheErrorAskedForIsReached) {
@@ -114,8 +97,8 @@ TEST(MovingSplats, TheErrorAskedForIsReached) {
                         Case{54, 0.0, 0.01, 2.0}, Case{55, 0.2, 0.02, 1.0}}) {
     const Scene scene =
         at_frame(clip(700, c.seed, c.speed, c.shortest), 12.0, -0.5 * c.exposure, 0.5 * c.exposure);
-    const Rendered chosen = drawn(scene, 0);
-    EXPECT_GE(psnr_db(chosen.image, drawn(scene, 1024).image), 60.0)
+    const Rendered chosen = test::rendered(scene, 0);
+    EXPECT_GE(psnr_db(chosen.image, test::rendered(scene, 1024).image), 60.0)
         << c.seed << ", " << test::counter(chosen, "instants_per_pixel");
   }
 }
@@ -130,7 +113,7 @@ TEST(MovingSplats, WhoComesAndGoesWithinTheExposureIsSeen) {
   motion.duration = {0.02f};
   motion.path.resize(1, {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()});
   motion.turn.resize(1, Eigen::Vector4f::Zero());
-  const Image truth = judged(scene, 1024), image = drawn(scene, 0).image;
+  const Image truth = test::splat_reference(scene, 1024), image = test::rendered(scene, 0).image;
   EXPECT_GT(*std::max_element(truth.rgba.begin(), truth.rgba.end()), 0.01f);
   EXPECT_GE(psnr_db(image, truth), 60.0);
 }
@@ -153,7 +136,7 @@ TEST(MovingSplats, TheirOrderChangesNoBit) {
   reverse(cloud.motion->duration);
   reverse(cloud.motion->path);
   reverse(cloud.motion->turn);
-  EXPECT_EQ(drawn(scene, 0).image.rgba, drawn(turned, 0).image.rgba);
+  EXPECT_EQ(test::rendered(scene, 0).image.rgba, test::rendered(turned, 0).image.rgba);
 }
 
 TEST(MovingSplats, PathsBeyondWhatFloatCanSayAreNoHarm) {
@@ -164,9 +147,9 @@ TEST(MovingSplats, PathsBeyondWhatFloatCanSayAreNoHarm) {
     motion.turn[i] *= 1e37f;
     motion.duration[i] = i < 16 ? 1e-30f : 1e30f;
   }
-  const Image image = drawn(scene, 0).image;
+  const Image image = test::rendered(scene, 0).image;
   EXPECT_TRUE(std::all_of(image.rgba.begin(), image.rgba.end(), [](float v) { return std::isfinite(v); }));
-  EXPECT_GE(psnr_db(drawn(scene, 4).image, judged(scene, 4)), 80.0);
+  EXPECT_GE(psnr_db(test::rendered(scene, 4).image, test::splat_reference(scene, 4)), 80.0);
 }
 
 TEST(MovingSplats, CountsAndRangesAreChecked) {
@@ -259,7 +242,9 @@ TEST_F(MovingSplatsFile, ASceneFileDrawsThem) {
   for (const double frame : {3.0, 12.0}) {
     const Result<const Scene*> scene = file->scene_at(frame, no_generator);
     ASSERT_TRUE(scene.ok()) << scene.error().message();
-    EXPECT_GE(psnr_db(swept::drawn(**scene, 6).image, judged(at_frame(made, frame, -0.5, 0.5), 6)), 80.0)
+    EXPECT_GE(
+        psnr_db(test::rendered(**scene, 6).image, test::splat_reference(at_frame(made, frame, -0.5, 0.5), 6)),
+        80.0)
         << frame;
   }
   const std::vector<std::string> notes = file->notes();

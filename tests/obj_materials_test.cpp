@@ -9,11 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/abuffer.h"
-#include "abuffer/reference/reference.h"
-#include "abuffer/sampled.h"
 #include "abuffer/stochastic/stochastic.h"
 #include "splat/io/image_file.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
 
@@ -134,7 +132,7 @@ TEST_F(MaterialFiles, AreColoursOpacitiesAndTexturesOfFaces) {
   EXPECT_EQ(said.find("no colours"), std::string::npos) << said;
   EXPECT_NE(said.find("texture 3 x 2"), std::string::npos) << said;
 
-  const Image image = test::stills(scene, 1);
+  const Image image = test::sampled(scene, 1);
   const auto pixel = [&](int x) {
     return Eigen::Vector4f(&image.rgba[4 * static_cast<std::size_t>(15 * 40 + x)]);
   };
@@ -152,9 +150,9 @@ TEST_F(MaterialFiles, EveryMethodDrawsThemAsTheReference) {
   b.translate = {0.7, 0.2, 0.5};
   scene.objects[0].transform.keys = {a, b};
   scene.background = {0.1f, 0.2f, 0.3f, 1.0f};
-  const Image truth = test::smooth_reference(scene, 256);
-  EXPECT_GT(test::psnr_db(test::stills(scene, 256), truth), 90.0);
-  EXPECT_GT(test::psnr_db(test::exact(scene).image, test::smooth_reference(scene, 2048)), 70.0);
+  const Image truth = test::reference(scene, 256);
+  EXPECT_GT(test::psnr_db(test::sampled(scene, 256), truth), 90.0);
+  EXPECT_GT(test::psnr_db(test::exact(scene).image, test::reference(scene, 2048)), 70.0);
   StochasticOptions many;
   many.samples = 1024;
   const Result<Rendered> stochastic = render_stochastic(scene, many);
@@ -164,7 +162,7 @@ TEST_F(MaterialFiles, EveryMethodDrawsThemAsTheReference) {
   Scene white = scene;
   white.objects[0].materials[2].texture.reset();
   white.objects[0].texture_corners.clear();
-  EXPECT_LT(test::psnr_db(test::stills(white, 16), truth), 20.0);
+  EXPECT_LT(test::psnr_db(test::sampled(white, 16), truth), 20.0);
 }
 
 TEST_F(MaterialFiles, AreReadAgainByASequenceWhereTheyChanged) {

@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/abuffer.h"
 #include "abuffer/layers.h"
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
 #include "abuffer/simd/sampled_math.h"
 #include "abuffer/stochastic/stochastic.h"
+#include "tests/drawn.h"
 #include "tests/image_difference.h"
 #include "tests/small_scenes.h"
 #include "tests/splat_scenes.h"
@@ -21,35 +21,21 @@
 namespace swept {
 namespace {
 
-Image image_of(Result<Rendered> rendered) {
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(rendered->image) : Image{};
-}
+using test::decibels, test::reference, test::sampled;
 
-Image sampled(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  return image_of(render_sampled(scene, options));
-}
 Image sampled_to(const Scene& scene, double db) {
   SampledOptions options;
   options.max_error_db = db;
-  return image_of(render_sampled(scene, options));
+  return test::value_of(render_sampled(scene, options)).image;
 }
-Image exact(const Scene& scene) { return image_of(render_abuffer(scene)); }
-Image reference(const Scene& scene, int samples, ReferenceMotion motion = ReferenceMotion::smooth) {
-  return image_of(render_reference(scene, {samples, motion}));
-}
+Image exact(const Scene& scene) { return test::exact(scene).image; }
 Image stochastic(const Scene& scene, int samples, Traversal traversal = Traversal::tile) {
   StochasticOptions options;
   options.samples = samples;
   options.traversal = traversal;
-  return image_of(render_stochastic(scene, options));
+  return test::value_of(render_stochastic(scene, options)).image;
 }
 
-double decibels(const Image& image, const Image& truth) {
-  return -20.0 * std::log10(std::max(test::difference_of(image, truth).color, 1e-9));
-}
 /// Relative, by alpha, root mean square.
 double depth_error(const Image& image, const Image& truth) { return test::difference_of(image, truth).depth; }
 
@@ -115,21 +101,13 @@ TEST(Orthographic, MovingDiscsAreThoseOfTheReference) {
 
 TEST(Orthographic, EveryImplementationHasTheSameBits) {
   const Scene scene = stress();
-  SampledOptions options;
-  options.samples = 5;
-  options.implementation = 0;
-  const Image first = image_of(render_sampled(scene, options));
-  for (std::size_t i = 1; i < sampled_maths().count; ++i) {
-    options.implementation = static_cast<int>(i);
-    EXPECT_EQ(image_of(render_sampled(scene, options)).rgba, first.rgba) << i;
-  }
+  const Image first = sampled(scene, 5, 0);
+  for (std::size_t i = 1; i < sampled_maths().count; ++i)
+    EXPECT_EQ(sampled(scene, 5, static_cast<int>(i)).rgba, first.rgba) << i;
   Scene crop = scene;
   crop.film.crop_x = 11, crop.film.crop_y = 7, crop.film.crop_width = 30, crop.film.crop_height = 20;
   const Image window = sampled(crop, 5);
-  for (int y = 0; y < 20; ++y)
-    for (int x = 0; x < 4 * 30; ++x)
-      ASSERT_EQ(window.rgba[static_cast<std::size_t>(4 * y * 30 + x)],
-                first.rgba[static_cast<std::size_t>(4 * ((y + 7) * 64 + 11) + x)]);
+  EXPECT_TRUE(test::is_crop_of(window, first));
 }
 
 TEST(Orthographic, ADiscParallelToTheFilmIsTheSameAtAnyDepth) {

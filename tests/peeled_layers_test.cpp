@@ -10,6 +10,7 @@
 #include "abuffer/resolve/light_left.h"
 #include "abuffer/resolve/smooth_part.h"
 #include "tests/deep_flattened.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 
 namespace swept {
@@ -235,7 +236,7 @@ TEST(SweptLayers, HaveTheDepthOfWhatIsDarkAndClear) {
                                 {Eigen::Vector2f(0, 0), {1, 1}, {0, 1}}};
     }
     const Image swept = before_wall(scene, 0.0f), peeled = exact(scene).image,
-                truth = test::smooth_reference(scene, 1024);
+                truth = test::reference(scene, 1024);
     for (std::size_t i = 0; i < swept.pixel_count(); ++i) {
       const double alpha = double{truth.rgba[4 * i + 3]}, depth = double{truth.depth[i]};
       // What floats hold, and 1024 stills.

@@ -8,21 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/reference/reference.h"
-#include "abuffer/sampled.h"
+#include "tests/drawn.h"
 #include "tests/image_difference.h"
 #include "tests/oracle/hard_scenes.h"
 #include "tests/small_scenes.h"
 
 namespace swept {
 namespace {
-
-Rendered sampled(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  auto rendered = render_sampled(scene, options);
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(*rendered) : Rendered{};
-}
 
 /// Finite, and within what a picture may hold.
 void expect_sound(const Image& image) {
@@ -37,7 +29,7 @@ void expect_sound(const Image& image) {
 /// PSNR of colour and alpha without a background.
 double reference_db(Scene scene, int samples) {
   scene.background.setZero();
-  const Rendered rendered = sampled(scene, samples);
+  const Rendered rendered = test::rendered(scene, samples);
   expect_sound(rendered.image);
   const auto reference = render_reference(scene, {samples, ReferenceMotion::smooth});
   EXPECT_TRUE(reference.ok()) << reference.error().message();
@@ -152,9 +144,9 @@ TEST(SampledHard, AnyNumberOfPointsAndObjects) {
     expect_reference(scene, 4, 90.0, std::to_string(points) + " points");
   }
   Scene empty = test::stage();
-  expect_sound(sampled(empty, 4).image);
+  expect_sound(test::rendered(empty, 4).image);
   empty.objects.resize(2);
-  expect_sound(sampled(empty, 0).image);
+  expect_sound(test::rendered(empty, 0).image);
 }
 
 TEST(SampledHard, KeysOutsideTheExposureAndAtItsEnds) {
@@ -205,10 +197,10 @@ TEST(SampledHard, AHundredThousandEqualPoints) {
   Object& object = scene.objects.emplace_back();
   for (int i = 0; i < 100000; ++i)
     test::add_disc(object, {0.1, 0.1, 0.0}, Eigen::Vector3d::UnitZ(), 0.5, {0.5f, 0.25f, 1.0f});
-  const Image opaque = sampled(scene, 2).image;
+  const Image opaque = test::rendered(scene, 2).image;
   expect_sound(opaque);
   object.cloud.opacity.assign(100000, 0.5f);
-  expect_sound(sampled(scene, 2).image);
+  expect_sound(test::rendered(scene, 2).image);
   // Inside the disc the surface's colour, but for 10⁵ roundings of 2⁻²⁴ each, were they all to one side.
   const float expected[4] = {0.5f, 0.25f, 1.0f, 1.0f};
   for (std::size_t c = 0; c < 4; ++c)
@@ -218,29 +210,23 @@ TEST(SampledHard, AHundredThousandEqualPoints) {
 TEST(SampledHard, AFilmOfOneRow) {
   Scene scene = ball();
   scene.film = {65536, 1, 0, 0, 0, 0};
-  expect_sound(sampled(scene, 2).image);
-  expect_sound(sampled(scene, 0).image);
+  expect_sound(test::rendered(scene, 2).image);
+  expect_sound(test::rendered(scene, 0).image);
   scene.film = {1, 65536, 0, 0, 0, 0};
-  expect_sound(sampled(scene, 2).image);
+  expect_sound(test::rendered(scene, 2).image);
 }
 
 TEST(SampledHard, CropsAtTheFilmsBorders) {
   Scene scene = ball();
   scene.film = {130, 67, 0, 0, 0, 0};
-  const Image whole = sampled(scene, 3).image;
+  const Image whole = test::rendered(scene, 3).image;
   for (const auto& [x, y, width, height] :
        {std::array{0, 0, 1, 1}, std::array{129, 66, 1, 1}, std::array{64, 0, 66, 67},
         std::array{0, 64, 130, 3}, std::array{63, 63, 2, 2}}) {
     scene.film.crop_x = x, scene.film.crop_y = y;
     scene.film.crop_width = width, scene.film.crop_height = height;
-    const Image crop = sampled(scene, 3).image;
-    for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i) {
-        const auto a = static_cast<std::size_t>(j * width + i),
-                   b = static_cast<std::size_t>((y + j) * 130 + x + i);
-        for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(crop.rgba[4 * a + c], whole.rgba[4 * b + c]);
-        ASSERT_EQ(crop.depth[a], whole.depth[b]);
-      }
+    const Image crop = test::rendered(scene, 3).image;
+    EXPECT_TRUE(test::is_crop_of(crop, whole));
   }
 }
 

@@ -15,8 +15,8 @@
 #include "abuffer/reference/reference_frame.h"
 #include "abuffer/resolve/still.h"
 #include "abuffer/resolve/sweep.h"
-#include "abuffer/sampled.h"
 #include "abuffer/simd/sampled_math.h"
+#include "tests/drawn.h"
 #include "tests/image_difference.h"
 #include "tests/small_scenes.h"
 
@@ -25,29 +25,10 @@ namespace {
 
 const Eigen::Vector3f red(1.0f, 0.0f, 0.0f), blue(0.0f, 0.0f, 1.0f);
 
-Image sampled(const Scene& scene, int samples, int implementation = -1) {
-  SampledOptions options;
-  options.samples = samples;
-  options.implementation = implementation;
-  auto rendered = render_sampled(scene, options);
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(rendered->image) : Image{};
-}
+using test::decibels, test::reference, test::sampled;
 
 Image exact(const Scene& scene, const AbufferOptions& options = {}) {
-  auto rendered = render_abuffer(scene, options);
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(rendered->image) : Image{};
-}
-
-Image reference(const Scene& scene, int samples, ReferenceMotion motion = ReferenceMotion::smooth) {
-  auto rendered = render_reference(scene, {samples, motion});
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(rendered->image) : Image{};
-}
-
-double decibels(const Image& image, const Image& truth) {
-  return -20.0 * std::log10(std::max(test::difference_of(image, truth).color, 1e-9));
+  return test::exact(scene, options).image;
 }
 
 /// A sheet of discs in the plane z = 0: one layer red that faces +z at `gap`, one blue that faces −z at −gap.

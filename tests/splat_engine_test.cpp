@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/abuffer.h"
-#include "abuffer/reference/reference.h"
-#include "abuffer/reference/splat_reference.h"
 #include "abuffer/simd/splat_math.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
+#include "tests/image_difference.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
@@ -24,23 +24,13 @@ using test::psnr_db;
 using test::random_splats;
 
 Rendered rendered(const Scene& scene, const SampledOptions& options = {}, const RenderControl& control = {}) {
-  Result<Rendered> result = render_sampled(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
+  return test::value_of(render_sampled(scene, options, control));
 }
 
 SampledOptions samples(int count) {
   SampledOptions options;
   options.samples = count;
   return options;
-}
-
-Image reference(const Scene& scene, int count) {
-  Result<Rendered> result = render_splat_reference(scene, {count, 0});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
 }
 
 double worst_alpha(const Image& a, const Image& b) {
@@ -62,7 +52,7 @@ double depth_error(const Image& a, const Image& b) {
 
 /// The same instants, one by one.
 void expect_as_the_reference(const Scene& scene, const char* what) {
-  const Image ours = rendered(scene, samples(3)).image, theirs = reference(scene, 3);
+  const Image ours = rendered(scene, samples(3)).image, theirs = test::splat_reference(scene, 3);
   EXPECT_GE(psnr_db(ours, theirs), 80.0) << what;
   // A splat left out on one side alone is 1/255.
   EXPECT_LE(worst_alpha(ours, theirs), 1.5 / 255.0) << what;
@@ -167,11 +157,7 @@ TEST(SplatEngine, BitsDoNotDependOnInstructionsThreadsCropOrOrder) {
   cropped.film.crop_x = 50, cropped.film.crop_y = 30, cropped.film.crop_width = 45,
   cropped.film.crop_height = 60;
   const Image window = rendered(cropped).image;
-  for (int y = 0; y < 60; ++y)
-    for (int x = 0; x < 45; ++x)
-      for (int c = 0; c < 4; ++c)
-        ASSERT_EQ(window.rgba[static_cast<std::size_t>(4 * (y * 45 + x) + c)],
-                  image.rgba[static_cast<std::size_t>(4 * ((y + 30) * 150 + x + 50) + c)]);
+  EXPECT_TRUE(test::is_crop_of(window, image));
 
   std::swap(scene.objects[0], scene.objects[1]);
   for (Object& object : scene.objects) {
@@ -244,7 +230,7 @@ TEST(SplatEngine, WhatStandsStillTakesOneInstant) {
   EXPECT_GT(test::counter(local, "most_instants"), 1.0);
   EXPECT_NE(local.image.rgba, none.image.rgba);
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(local.image.rgba[i], none.image.rgba[i]);
-  EXPECT_GE(psnr_db(local.image, reference(scene, 64)), 60.0);
+  EXPECT_GE(psnr_db(local.image, test::splat_reference(scene, 64)), 60.0);
 }
 
 TEST(SplatEngine, OnlyStandingLeavesOutWhatMoves) {
@@ -351,7 +337,7 @@ TEST(SplatEngine, DrawsTheTrainedHeadFromManySides) {
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(-60, 0, 100), Eigen::Vector3d(250, -50, 300),
                                      Eigen::Vector3d(-60, 200, 600), Eigen::Vector3d(-60, 0, 380)}) {
     scene.camera.look_ats = {test::looking_along_z(0.0, eye, middle, 60.0)};
-    EXPECT_GE(psnr_db(rendered(scene).image, reference(scene, 1)), 80.0) << eye.transpose();
+    EXPECT_GE(psnr_db(rendered(scene).image, test::splat_reference(scene, 1)), 80.0) << eye.transpose();
   }
 }
 

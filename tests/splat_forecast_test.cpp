@@ -5,21 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/sampled.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
 namespace {
 
-Rendered rendered(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
+using test::rendered;
 
 /// Splats that stand still, and a camera that moves sideways by so many px of the film in their middle.
 Scene passing(unsigned seed, float size, double px) {

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/reference/reference.h"
-#include "abuffer/reference/splat_reference.h"
-#include "abuffer/sampled.h"
+#include "tests/drawn.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
@@ -83,22 +82,6 @@ Scene mix(unsigned seed, bool moving) {
   return scene;
 }
 
-Image drawn(const Scene& scene, int samples) {
-  SampledOptions options;
-  options.samples = samples;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-Image judged(const Scene& scene, int samples) {
-  Result<Rendered> result = render_splat_reference(scene, {samples, 0});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
 /// Root mean square of what two pictures' alphas differ by.
 double alpha_rmse(const Image& a, const Image& b) {
   double squares = 0.0;
@@ -112,14 +95,14 @@ TEST(SplatMixReference, AStillOfAllKindsIsTheReferences) {
     Scene scene = mix(seed, false);
     for (const SplatBlending blending : {SplatBlending::srgb, SplatBlending::linear}) {
       scene.splats.blending = blending;
-      const Image image = drawn(scene, 1), truth = judged(scene, 1);
+      const Image image = test::sampled(scene, 1), truth = test::splat_reference(scene, 1);
       EXPECT_GE(psnr_db(image, truth), 80.0) << seed;
       EXPECT_LE(alpha_rmse(image, truth), 1e-4) << seed;
       // A test that can fail: what lies in front of what matters, and every kind is seen.
       for (std::size_t without = 0; without < scene.objects.size(); ++without) {
         Scene less = scene;
         less.objects.erase(less.objects.begin() + static_cast<std::ptrdiff_t>(without));
-        EXPECT_LE(psnr_db(drawn(less, 1), truth), 40.0) << without;
+        EXPECT_LE(psnr_db(test::sampled(less, 1), truth), 40.0) << without;
       }
     }
   }
@@ -128,7 +111,7 @@ TEST(SplatMixReference, AStillOfAllKindsIsTheReferences) {
 TEST(SplatMixReference, AtTheSameInstantsABlurredOneIsToo) {
   for (const unsigned seed : {71u, 74u}) {
     const Scene scene = mix(seed, true);
-    const Image image = drawn(scene, 6), truth = judged(scene, 6);
+    const Image image = test::sampled(scene, 6), truth = test::splat_reference(scene, 6);
     EXPECT_GE(psnr_db(image, truth), 80.0) << seed;
     EXPECT_LE(alpha_rmse(image, truth), 1e-4) << seed;
   }
@@ -136,7 +119,7 @@ TEST(SplatMixReference, AtTheSameInstantsABlurredOneIsToo) {
 
 TEST(SplatMixReference, TheErrorAskedForIsReachedOfAllKinds) {
   const Scene scene = mix(81, true);
-  EXPECT_GE(psnr_db(drawn(scene, 0), judged(scene, 256)), 60.0);
+  EXPECT_GE(psnr_db(test::sampled(scene, 0), test::splat_reference(scene, 256)), 60.0);
 }
 
 TEST(SplatMixReference, DiscsAloneAreThoseOfTheirOwnReference) {
@@ -148,14 +131,14 @@ TEST(SplatMixReference, DiscsAloneAreThoseOfTheirOwnReference) {
   const Result<Rendered> alone =
       render_reference(seen_alone, {.samples = 4, .motion = ReferenceMotion::smooth});
   ASSERT_TRUE(alone.ok());
-  EXPECT_GE(psnr_db(judged(scene, 4), alone->image), 120.0);
+  EXPECT_GE(psnr_db(test::splat_reference(scene, 4), alone->image), 120.0);
 }
 
 TEST(SplatMixReference, TheOneCallDrawsThemToo) {
   Scene scene = mix(95, true);
   const Result<Rendered> result = render_reference(scene, {.samples = 2});
   ASSERT_TRUE(result.ok()) << result.error().message();
-  EXPECT_EQ(result->image.rgba, judged(scene, 2).rgba);
+  EXPECT_EQ(result->image.rgba, test::splat_reference(scene, 2).rgba);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "splat/io/image_file.h"
 #include "splat/io/splat_file.h"
+#include "tests/drawn.h"
 #include "tests/splat_scenes.h"
 
 namespace swept {
@@ -21,19 +22,14 @@ using test::psnr_db;
 
 double decoded(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
-Rendered rendered(const Scene& scene, int samples = 1) {
-  Result<Rendered> result = render_splat_reference(scene, {samples, 0});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
+Image drawn(const Scene& scene, int samples = 1) { return test::splat_reference(scene, samples); }
 
 TEST(SplatReference, MatchesAnIndependentStill) {
   SWEPT_DATA_OR_SKIP(data);
   const Scene scene = test::try_scene(data);
   const Result<Image> theirs = read_exr(data + "gaussians/try_still.exr");
   ASSERT_TRUE(theirs.ok()) << theirs.error().message();
-  const double db = psnr_db(rendered(scene).image, *theirs);
+  const double db = psnr_db(drawn(scene), *theirs);
   RecordProperty("psnr_db", std::to_string(db));
   EXPECT_GE(db, 75.0);
 }
@@ -44,7 +40,7 @@ TEST(SplatReference, MatchesAnIndependentMovingPicture) {
   const Result<Image> theirs = read_exr(data + "gaussians/try_move.exr");
   ASSERT_TRUE(theirs.ok()) << theirs.error().message();
   // Sixteen stills are off by 73 dB from many.
-  const double db = psnr_db(rendered(scene, 24).image, *theirs);
+  const double db = psnr_db(drawn(scene, 24), *theirs);
   RecordProperty("psnr_db", std::to_string(db));
   EXPECT_GE(db, 60.0);
 }
@@ -55,7 +51,7 @@ constexpr std::size_t middle = 24 * 64 + 32;
 TEST(SplatReference, BlendsOneSplatAsTheFormulasSay) {
   Scene scene = one_splat({0, 0, 8}, 0.5f, 0.75f, 0.6f);
   scene.background = {0.25f, 0.25f, 0.25f, 0.5f};
-  const Image image = rendered(scene).image;
+  const Image image = drawn(scene);
   // Focal length 64 px: 0.5 at 8 away is 4 px, and the film adds 0.3 px².
   const double alpha = 0.75 * std::exp(-0.5 * 0.5 / (16.0 + 0.3)), behind = 0.5370987304831942;  // sRGB of ¼
   EXPECT_NEAR(image.rgba[4 * middle], decoded(0.6 * alpha + behind * (1.0 - alpha)), 1e-6);
@@ -71,16 +67,16 @@ TEST(SplatReference, BlendsInLinearLightWhereTheFileSaysSo) {
   scene.background = {0.25f, 0.25f, 0.25f, 0.5f};
   scene.splats.blending = SplatBlending::linear;
   const double alpha = 0.75 * std::exp(-0.5 * 0.5 / (16.0 + 0.3));
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle], 0.6 * alpha + 0.25 * (1.0 - alpha), 1e-6);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle], 0.6 * alpha + 0.25 * (1.0 - alpha), 1e-6);
   scene.splats.blending = SplatBlending::file;
   scene.objects[0].splats.colors = SplatColors::linear;
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle], 0.6 * alpha + 0.25 * (1.0 - alpha), 1e-6);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle], 0.6 * alpha + 0.25 * (1.0 - alpha), 1e-6);
 }
 
 TEST(SplatReference, AntialiasedSplatsKeepTheirLight) {
   Scene scene = one_splat({0, 0, 8}, 0.05f, 0.75f, 1.0f);
   const auto sum_of_alpha = [&] {
-    const Image image = rendered(scene).image;
+    const Image image = drawn(scene);
     double sum = 0.0;
     for (std::size_t i = 0; i < image.pixel_count(); ++i) sum += double{image.rgba[4 * i + 3]};
     return sum;
@@ -96,9 +92,9 @@ TEST(SplatReference, NearAndOpaqueSplatsEndWhereTheModelSays) {
   Scene scene = one_splat({0, 0, 8}, 0.5f, 1.0f, 1.0f);
   SplatCloud& cloud = scene.objects[0].splats;
   cloud.opacity[0] = 1.0f;
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle + 3], 1.0 * std::exp(-0.25 / 16.3), 1e-6);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle + 3], 1.0 * std::exp(-0.25 / 16.3), 1e-6);
   scene.splats.near = 8.0;
-  EXPECT_EQ(rendered(scene).image.rgba[4 * middle + 3], 0.0f);
+  EXPECT_EQ(drawn(scene).rgba[4 * middle + 3], 0.0f);
   scene.splats.near = 0.2;
   // Three that would let 10⁻⁶ through: the third is not drawn.
   cloud.position = {{0, 0, 8}, {0, 0, 9}, {0, 0, 10}};
@@ -106,9 +102,9 @@ TEST(SplatReference, NearAndOpaqueSplatsEndWhereTheModelSays) {
   cloud.rotation.assign(3, Eigen::Quaternionf::Identity());
   cloud.opacity.assign(3, 1.0f);
   cloud.harmonics.assign(9, 0.0f);
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle + 3], 1.0 - 1e-4, 1e-6);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle + 3], 1.0 - 1e-4, 1e-6);
   scene.splats.least_light = 0.0;
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle + 3], 1.0 - 1e-6, 1e-7);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle + 3], 1.0 - 1e-6, 1e-7);
 }
 
 TEST(SplatReference, DiscsAreMetByRays) {
@@ -118,7 +114,7 @@ TEST(SplatReference, DiscsAreMetByRays) {
   cloud.scale[0] = {0.5f, 0.5f, 0.0f};
   // Turned about y by 60°: rays left of the middle meet it farther away.
   cloud.rotation[0] = Eigen::Quaternionf(Eigen::AngleAxisf(float(M_PI) / 3, Eigen::Vector3f::UnitY()));
-  const Image image = rendered(scene).image;
+  const Image image = drawn(scene);
   for (const int x : {28, 30, 34, 36}) {
     const double tangent = (x + 0.5 - 32.0) / 64.0, across = 0.5 / 64.0;
     // The plane z = 8 − x tan 60°.
@@ -130,7 +126,7 @@ TEST(SplatReference, DiscsAreMetByRays) {
   }
   // Edge-on the low-pass is left: √½ px.
   cloud.rotation[0] = Eigen::Quaternionf(Eigen::AngleAxisf(float(M_PI) / 2, Eigen::Vector3f::UnitY()));
-  EXPECT_NEAR(rendered(scene).image.rgba[4 * middle + 3], 0.75 * std::exp(-0.5), 1e-6);
+  EXPECT_NEAR(drawn(scene).rgba[4 * middle + 3], 0.75 * std::exp(-0.5), 1e-6);
 }
 
 TEST(SplatReference, ColoursAreSeenFromTheEyeAndTurnWithTheObject) {
@@ -141,7 +137,7 @@ TEST(SplatReference, ColoursAreSeenFromTheEyeAndTurnWithTheObject) {
   cloud.harmonics.assign(12, 0.0f);
   for (int c = 0; c < 3; ++c) cloud.harmonics[static_cast<std::size_t>(9 + c)] = -0.4f;
   const auto color_at = [&](int x) {
-    const Image image = rendered(scene).image;
+    const Image image = drawn(scene);
     const float* rgba = &image.rgba[4 * (24 * 64 + static_cast<std::size_t>(x))];
     const double s = std::pow(double{rgba[0]}, 1 / 2.4) * 1.055 - 0.055;
     return s / double{rgba[3]};

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/reference/reference.h"
 #include "abuffer/stochastic/stochastic.h"
+#include "tests/drawn.h"
 #include "tests/small_scenes.h"
 
 namespace swept::test {
@@ -16,28 +16,12 @@ namespace swept::test {
 inline Rendered rendered(const Scene& scene, const StochasticOptions& options, int threads = 0) {
   RenderControl control;
   control.threads = threads;
-  Result<Rendered> result = render_stochastic(scene, options, control);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
+  return value_of(render_stochastic(scene, options, control));
 }
 
-inline Image reference(const Scene& scene, int stills) {
+inline Image reference_by_segments(const Scene& scene, int stills) {
   // Triangles move on their true path either way, discs along their segments.
-  Result<Rendered> result = render_reference(scene, {stills, ReferenceMotion::segments});
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(result->image);
-}
-
-inline double rmse(const Image& a, const Image& b) {
-  EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
-    const double difference = double{a.rgba[i]} - double{b.rgba[i]};
-    squares += difference * difference;
-  }
-  return std::sqrt(squares / static_cast<double>(a.rgba.size()));
+  return reference(scene, stills, ReferenceMotion::segments);
 }
 
 inline double mean_difference(const Image& a, const Image& b) {

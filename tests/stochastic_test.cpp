@@ -8,13 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "abuffer/stochastic/pixel_samples.h"
+#include "tests/image_difference.h"
 #include "tests/stochastic_scenes.h"
 
 namespace swept {
 namespace {
 
-using test::add_lens, test::expect_same_images, test::mean_difference, test::reference, test::rendered,
-    test::rmse, test::soup, test::soup_scene;
+using test::add_lens, test::expect_same_images, test::mean_difference, test::reference_by_segments,
+    test::rendered, test::soup, test::soup_scene;
 
 TEST(Stochastic, ObeysMaxBytes) {
   Scene scene = test::busy_scene();
@@ -42,9 +43,10 @@ TEST(Stochastic, ObeysMaxBytes) {
 /// what may be left of it.
 void expect_converges(const Scene& scene, int stills, double most_at_1024, const char* what,
                       double share = 0.5) {
-  const Image truth = reference(scene, stills);
+  const Image truth = reference_by_segments(scene, stills);
   const Image few = rendered(scene, {.samples = 64}).image, many = rendered(scene, {.samples = 1024}).image;
-  const double at_64 = rmse(few, truth), at_1024 = rmse(many, truth);
+  const double at_64 = test::difference_of(few, truth).color,
+               at_1024 = test::difference_of(many, truth).color;
   EXPECT_LT(at_1024, most_at_1024) << what;
   EXPECT_LT(at_1024, share * at_64) << what;
   EXPECT_LT(std::abs(mean_difference(many, truth)), 0.3 * at_1024) << what;
@@ -228,11 +230,7 @@ TEST(Stochastic, HasTheSameBitsForThreadsCropsAndOrders) {
   EXPECT_EQ(rendered(scene, options).image.rgba, whole.rgba);
   scene.film.crop_x = 13, scene.film.crop_y = 7, scene.film.crop_width = 31, scene.film.crop_height = 29;
   const Image crop = rendered(scene, options).image;
-  for (int y = 0; y < crop.height; ++y)
-    for (int x = 0; x < crop.width; ++x)
-      for (std::size_t c = 0; c < 4; ++c)
-        ASSERT_EQ(crop.rgba[4 * static_cast<std::size_t>(y * crop.width + x) + c],
-                  whole.rgba[4 * static_cast<std::size_t>((y + 7) * whole.width + x + 13) + c]);
+  EXPECT_TRUE(test::is_crop_of(crop, whole));
 }
 
 TEST(Stochastic, RefusesWhatItDoesNotDraw) {

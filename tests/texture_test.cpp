@@ -10,7 +10,6 @@
 
 #include "abuffer/abuffer.h"
 #include "abuffer/reference/reference.h"
-#include "abuffer/sampled.h"
 #include "abuffer/simd/mesh_math.h"
 #include "abuffer/stochastic/stochastic.h"
 #include "splat/interval/pixel_places.h"
@@ -19,6 +18,7 @@
 #include "splat/io/point_file.h"
 #include "splat/io/texture_file.h"
 #include "splat/srgb.h"
+#include "tests/drawn.h"
 #include "tests/mesh_scenes.h"
 #include "tests/scene_text.h"
 #include "tests/temporary_folder.h"
@@ -29,6 +29,7 @@ namespace {
 using test::add_point;
 using test::psnr_db;
 using test::put;
+using test::sampled;
 using test::SceneFiles;
 
 Texture striped() {
@@ -68,15 +69,6 @@ TEST(Texture, Repeats) {
 }
 
 Scene stage(int width = 64, int height = 48) { return test::mesh_stage(width, height, 0.5 * height / 64.0); }
-
-Image sampled(const Scene& scene, int samples, int implementation = -1) {
-  SampledOptions options;
-  options.samples = samples;
-  options.implementation = implementation;
-  Result<Rendered> result = render_sampled(scene, options);
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  return result.ok() ? std::move(result->image) : Image{};
-}
 
 /// Triangles at random, some of them through the near plane, with a texture that is transparent in places.
 Scene soup(unsigned seed) {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "abuffer/sampled.h"
 #include "tests/counter.h"
+#include "tests/drawn.h"
 #include "tests/splat_scenes.h"
 #include "tools/study/mesh_tables.h"
 
@@ -53,19 +53,12 @@ Scene swarm(int triangles, unsigned seed, bool transparent = false) {
 
 const std::vector<double> times = {0.03, 0.21, 0.34, 0.55, 0.71, 0.96};
 
-template <class T>
-T value(Result<T> result) {
-  EXPECT_TRUE(result.ok()) << result.error().message();
-  if (!result.ok()) std::abort();
-  return std::move(*result);
-}
-
 Rendered exact(const Scene& scene, std::size_t most, int tile_px = 32, std::size_t held = 1u << 20) {
   AbufferOptions options;
   options.place_intervals = most;
   options.tile_px = tile_px;
   options.tile_fragments = held;
-  return value(render_abuffer(scene, options));
+  return test::value_of(render_abuffer(scene, options));
 }
 
 TEST(VisibilityAccuracy, OfIntervalsIsThatOfRays) {
@@ -82,8 +75,8 @@ TEST(VisibilityAccuracy, OfIntervalsIsThatOfRays) {
         close.rotate_radians = 0.8;
         scene.objects[0].transform.keys = {open, close};
       }
-      const VisibleTriangles truth = value(visible_at_instants(scene, times)),
-                             named = value(visible_by_intervals(scene, times));
+      const VisibleTriangles truth = test::value_of(visible_at_instants(scene, times)),
+                             named = test::value_of(visible_by_intervals(scene, times));
       const VisibilityAccuracy accuracy = visibility_accuracy(truth, named);
       EXPECT_GT(accuracy.samples, 10000u);
       // Parabolas in place of arcs, by 0.01 px, may name a neighbour.
@@ -93,8 +86,9 @@ TEST(VisibilityAccuracy, OfIntervalsIsThatOfRays) {
 
 TEST(VisibilityAccuracy, FallsWhereInstantsAreOthers) {
   const Scene scene = swarm(60, 1);
-  const VisibleTriangles truth = value(visible_at_instants(scene, times)),
-                         late = value(visible_by_intervals(scene, {0.05, 0.23, 0.36, 0.57, 0.73, 0.98}));
+  const VisibleTriangles truth = test::value_of(visible_at_instants(scene, times)),
+                         late = test::value_of(
+                             visible_by_intervals(scene, {0.05, 0.23, 0.36, 0.57, 0.73, 0.98}));
   EXPECT_LT(visibility_accuracy(truth, late).share(), 0.97);
   EXPECT_GT(visibility_accuracy(truth, late).share(), 0.5);
 }
@@ -115,7 +109,7 @@ TEST(TileTests, ChangeNoBitOfAMesh) {
   scene.film.width = 20, scene.film.height = 15;
   AbufferOptions plain;
   plain.tile_tests = false;
-  const Rendered all = value(render_abuffer(scene, plain)), tested = exact(scene, 0);
+  const Rendered all = test::value_of(render_abuffer(scene, plain)), tested = exact(scene, 0);
   EXPECT_EQ(tested.image.rgba, all.image.rgba);
   EXPECT_EQ(tested.image.depth, all.image.depth);
   EXPECT_LT(test::counter(tested, "fragments"), 0.9 * test::counter(all, "fragments"));
@@ -128,7 +122,7 @@ TEST(TileTests, ChangeNothingButRoundingWhereMeshesShareAPixel) {
     scene.objects.push_back(swarm(60, 9).objects[0]);
     AbufferOptions plain;
     plain.tile_tests = false;
-    const Rendered all = value(render_abuffer(scene, plain)), tested = exact(scene, 0);
+    const Rendered all = test::value_of(render_abuffer(scene, plain)), tested = exact(scene, 0);
     // Sums of some 100 floats' worth of pieces, in another order.
     for (std::size_t i = 0; i < all.image.rgba.size(); ++i)
       ASSERT_NEAR(tested.image.rgba[i], all.image.rgba[i], 1e-6) << i;
@@ -152,7 +146,7 @@ TEST(LossyIntervals, DoNotDependOnTiles) {
 TEST(LossyIntervals, CostLessTheMoreThereAre) {
   const Scene scene = swarm(400, 6);
   const Image all = exact(scene, 0).image;
-  const VisibleTriangles truth = value(visible_at_instants(scene, times));
+  const VisibleTriangles truth = test::value_of(visible_at_instants(scene, times));
   double db = 0.0, share = 0.0;
   for (const std::size_t most : {1, 2, 4, 8, 16}) {
     const Rendered few = exact(scene, most);
@@ -161,7 +155,8 @@ TEST(LossyIntervals, CostLessTheMoreThereAre) {
     options.place_intervals = most;
     const double better = psnr_db(few.image, all),
                  seen =
-                     visibility_accuracy(truth, value(visible_by_intervals(scene, times, options))).share();
+                     visibility_accuracy(truth, test::value_of(visible_by_intervals(scene, times, options)))
+                         .share();
     EXPECT_GT(better, db) << most;
     EXPECT_GT(seen, share) << most;
     db = better, share = seen;

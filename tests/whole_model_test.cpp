@@ -15,6 +15,7 @@
 #include "abuffer/reference/reference.h"
 #include "abuffer/sampled.h"
 #include "splat/io/scene_file.h"
+#include "tests/drawn.h"
 #include "tests/image_difference.h"
 #include "tests/point_files.h"
 #include "tests/small_scenes.h"
@@ -238,14 +239,7 @@ Scene plain() {
   return scene;
 }
 
-double decibels(const Image& image, const Image& truth) {
-  return -20.0 * std::log10(test::difference_of(image, truth).color);
-}
-
-Image image_of(Result<Rendered> rendered) {
-  EXPECT_TRUE(rendered.ok()) << rendered.error().message();
-  return rendered.ok() ? std::move(rendered->image) : Image{};
-}
+using test::decibels;
 
 class WholeModel : public testing::TestWithParam<Effect> {};
 
@@ -259,14 +253,14 @@ TEST_P(WholeModel, AreTheReferences) {
   SampledOptions options;
   options.max_error_db = 72.0;
   if (scene.camera.aperture.radius > 0.0) options.samples = effect.instants * scene.camera.aperture.samples;
-  const double sampled = decibels(image_of(render_sampled(scene, options)), truth);
-  const double exact = decibels(image_of(render_abuffer(scene)), truth);
+  const double sampled = decibels(test::value_of(render_sampled(scene, options)).image, truth);
+  const double exact = decibels(test::exact(scene).image, truth);
   std::printf("%s: sampled %.1f dB, exact %.1f dB, of itself the reference says %.1f\n", effect.name, sampled,
               exact, reference->statistics.counter("reference_error_psnr_db").value_or(0.0));
   EXPECT_GE(sampled, 70.0);
   EXPECT_GE(exact, 70.0);
   if (!effect.changes) return;
-  EXPECT_LE(decibels(image_of(render_abuffer(plain())), truth), 45.0) << "it changes nothing";
+  EXPECT_LE(decibels(test::exact(plain()).image, truth), 45.0) << "it changes nothing";
 }
 
 /// What stands still costs no events: those of one moving object are in the pixels that it sweeps by itself.
@@ -320,11 +314,11 @@ TEST(WholeModelOfFiles, TheHorsesGallopAreTheReferences) {
   const auto scene = file->scene_at(5.0, no_generator);
   ASSERT_TRUE(scene.ok()) << scene.error().message();
   ASSERT_EQ((*scene)->objects[0].cloud.path, KeyPath::spline);
-  const Image truth = image_of(render_reference(**scene, {192, ReferenceMotion::smooth}));
+  const Image truth = test::reference(**scene, 192);
   SampledOptions options;
   options.max_error_db = 75.0;  // of the reference 192 instants are not all of the truth
-  const double sampled = decibels(image_of(render_sampled(**scene, options)), truth);
-  const double exact = decibels(image_of(render_abuffer(**scene)), truth);
+  const double sampled = decibels(test::value_of(render_sampled(**scene, options)).image, truth);
+  const double exact = decibels(test::exact(**scene).image, truth);
   std::printf("the horse's gallop: sampled %.1f dB, exact %.1f dB\n", sampled, exact);
   EXPECT_GE(sampled, 70.0);
   EXPECT_GE(exact, 70.0);
