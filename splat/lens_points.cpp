@@ -70,7 +70,7 @@ int lens_point_count(const Scene& scene) {
   for (const Object& object : scene.objects) {
     const Instant middle = instant_at(scene, object, exposure, 0.5);
     const SurfelsAt surfels(object.cloud, middle.frame);
-    for (std::size_t i = 0; i < object.cloud.size(); ++i) look(middle.to_camera(surfels[i].position));
+    for (std::size_t i = 0; i < object.cloud.size(); ++i) look(middle.to_camera(surfels.position(i)));
     for (std::size_t i = 0; i < object.splats.size(); ++i)
       look(middle.to_camera(object.splats.position_at(i, middle.frame)));
   }

@@ -136,23 +136,31 @@ class SurfelsAt {
   SurfelsAt(const SurfelCloud& cloud, PathWeights weights);
 
   [[nodiscard]] SurfelInstant operator[](std::size_t i) const {
-    SurfelInstant at{base_->position[i], base_->axis_u[i].cast<double>(), base_->axis_v[i].cast<double>()};
-    if (velocity_ != nullptr) at.position += weights_.velocity * (*velocity_)[i].cast<double>();
-    if (acceleration_ != nullptr) at.position += weights_.acceleration * (*acceleration_)[i].cast<double>();
-    if (!weights_.others.empty()) add_others(i, at);
+    SurfelInstant at{position(i), base_->axis_u[i].cast<double>(), base_->axis_v[i].cast<double>()};
+    if (!weights_.others.empty()) add_other_axes(i, at);
     if (spin_ != nullptr) turn((*spin_)[i], at);
+    return at;
+  }
+  /// The same, without what axes cost.
+  [[nodiscard]] Eigen::Vector3d position(std::size_t i) const {
+    Eigen::Vector3d at = base_->position[i];
+    if (velocity_ != nullptr) at += weights_.velocity * (*velocity_)[i].cast<double>();
+    if (acceleration_ != nullptr) at += weights_.acceleration * (*acceleration_)[i].cast<double>();
+    if (weights_.others.empty()) return at;
+    // a + t (b − a): a point equal in all keys stays there to the bit.
+    const Eigen::Vector3d from = at;
+    for (const PathWeights::Share& other : weights_.others)
+      at += other.weight * (keys_[other.key].pose.position[i] - from);
     return at;
   }
 
  private:
-  void add_others(std::size_t i, SurfelInstant& at) const {
-    const SurfelInstant from = at;
-    // a + t (b − a): a point equal in all keys stays there to the bit.
+  void add_other_axes(std::size_t i, SurfelInstant& at) const {
+    const Eigen::Vector3d from_u = at.axis_u, from_v = at.axis_v;
     for (const PathWeights::Share& other : weights_.others) {
       const SurfelPose& pose = keys_[other.key].pose;
-      at.position += other.weight * (pose.position[i] - from.position);
-      at.axis_u += other.weight * (pose.axis_u[i].cast<double>() - from.axis_u);
-      at.axis_v += other.weight * (pose.axis_v[i].cast<double>() - from.axis_v);
+      at.axis_u += other.weight * (pose.axis_u[i].cast<double>() - from_u);
+      at.axis_v += other.weight * (pose.axis_v[i].cast<double>() - from_v);
     }
   }
   void turn(const Eigen::Vector3f& rate, SurfelInstant& at) const;

@@ -7,8 +7,9 @@
 // process, all threads together. With --reference the judge is the slow one in double, of stills too: 1,024
 // instants at 128 × 128 take minutes a row.
 //
-//        swept_splat_benchmark --random N [--max-error 60] [--threads N] [--truth N]
-// N scenes that nobody chose, and what they take beside the cheapest number of instants for the whole film.
+//        swept_splat_benchmark --random N [--first-random K] [--max-error 60] [--threads N] [--truth N]
+// N scenes that nobody chose, from number K on, and what they take beside the cheapest number of instants for
+// the whole film.
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -41,7 +42,7 @@ struct Arguments {
   double max_error_db = 60.0;
   int truth = 256;
   bool reference = false;
-  int random = 0;
+  int random = 0, first_random = 1;
   RenderControl control;
   SceneOverrides overrides;
 };
@@ -186,7 +187,8 @@ Status run_random(const Arguments& arguments) {
       arguments.max_error_db);
   double instants_log = 0.0, time_log = 0.0;
   int met = 0;
-  for (int seed = 1; seed <= arguments.random; ++seed) {
+  for (int k = 0; k < arguments.random; ++k) {
+    const int seed = arguments.first_random + k;
     const Scene scene = random_splat_scene(static_cast<unsigned>(seed));
     const Result<Timed> chosen = timed(scene, asked, arguments.control);
     if (!chosen) return chosen.error();
@@ -277,6 +279,9 @@ int main(int argc, char** argv) {
       app.add_option("--random", arguments.random, "So many scenes that nobody chose instead")
           ->check(CLI::Range(1, 1000));
   file->excludes(random);
+  app.add_option("--first-random", arguments.first_random, "Number of the first of them")
+      ->check(CLI::Range(1, 1 << 30))
+      ->needs(random);
   app.add_option_function<std::pair<double, double>>(
       "--size",
       [&](const std::pair<double, double>& size) {

@@ -54,7 +54,7 @@ MeshInstant::MeshInstant(const Scene& scene, const Object& object, double frame)
   mirrored_ = (instant.camera_from_world * instant.world_from_object.linear()).determinant() < 0.0;
   const SurfelsAt at(object.cloud, frame);
   points_.reserve(object.cloud.size());
-  for (std::size_t i = 0; i < object.cloud.size(); ++i) points_.push_back(instant.to_camera(at[i].position));
+  for (std::size_t i = 0; i < object.cloud.size(); ++i) points_.push_back(instant.to_camera(at.position(i)));
   if (projection_.orthographic) {
     double farthest = 0.0;
     for (const Eigen::Vector3d& p : points_)

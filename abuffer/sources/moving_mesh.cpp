@@ -90,7 +90,7 @@ class Looks {
     const SurfelsAt points(object_.cloud, frame);
     std::vector<Eigen::Vector3d> result(object_.cloud.size());
     parallel_for_parts(tbb::blocked_range<std::size_t>(0, result.size(), 4096), [&](const auto& part) {
-      for (std::size_t i = part.begin(); i != part.end(); ++i) result[i] = seen.to_camera(points[i].position);
+      for (std::size_t i = part.begin(); i != part.end(); ++i) result[i] = seen.to_camera(points.position(i));
     });
     return result;
   }
@@ -171,7 +171,7 @@ Result<MovingMesh> MovingMesh::follow(const Scene& scene, const Object& object, 
         const Instant seen = looks.instant(frames[s] + (frames[s + 1] - frames[s]) * share);
         const SurfelsAt points(cloud, weights[k]);
         for (std::size_t i = 0; i < cloud.size(); ++i)
-          mesh.controls_[(s * cloud.size() + i) * controls + k] = seen.to_camera(points[i].position);
+          mesh.controls_[(s * cloud.size() + i) * controls + k] = seen.to_camera(points.position(i));
       }
       end_at(time(frames[s + 1]), 0.5 * frames[s] + 0.5 * frames[s + 1]);
     }

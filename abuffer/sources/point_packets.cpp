@@ -143,14 +143,14 @@ std::vector<std::uint32_t> order_of(const SurfelCloud& cloud, const std::vector<
   const Content content(cloud, poses, exposure);
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return content.less(points[a], points[b]); };
   std::vector<std::uint32_t> order = content_order(
-      points.size(), [&](std::size_t i) { return pose[points[i]].position; }, less);
+      points.size(), [&](std::size_t i) { return pose.position(points[i]); }, less);
   if (!exposure.instant() && cloud.moves()) {
     const SurfelsAt first(cloud, poses.front()), last(cloud, poses.back());
     order = motion_order(
         std::move(order),
         [&](std::uint32_t i) {
           PointEnds ends;
-          ends << first[points[i]].position, last[points[i]].position;
+          ends << first.position(points[i]), last.position(points[i]);
           return ends;
         },
         less);

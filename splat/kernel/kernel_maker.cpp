@@ -52,9 +52,9 @@ class AlikePaths {
     const SurfelInstant surfel = middle.surfels[i];
     PathSegment segment{times_[s],
                         piece == whole_path ? 1.0 : times_[s + 1],
-                        first.instant.to_camera(first.surfels[i].position),
+                        first.instant.to_camera(first.surfels.position(i)),
                         middle.instant.to_camera(surfel.position),
-                        last.instant.to_camera(last.surfels[i].position),
+                        last.instant.to_camera(last.surfels.position(i)),
                         middle.instant.to_camera_direction(surfel.axis_u),
                         middle.instant.to_camera_direction(surfel.axis_v)};
     segment.piece = piece;
