@@ -2,9 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
@@ -46,13 +47,16 @@ inline double decibels(const Image& image, const Image& reference) {
 /// The crop's pixels and depths are those of the whole film, bit for bit.
 inline testing::AssertionResult is_crop_of(const Image& crop, const Image& whole) {
   if (crop.pixel_count() == 0) return testing::AssertionFailure() << "an empty crop";
+  const auto same = [](float a, float b) {
+    return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+  };
   for (int y = 0; y < crop.height; ++y)
     for (int x = 0; x < crop.width; ++x) {
       const auto a = static_cast<std::size_t>(y * crop.width + x),
                  b = static_cast<std::size_t>((y + crop.y) * whole.width + x + crop.x);
-      if (std::memcmp(&crop.rgba[4 * a], &whole.rgba[4 * b], 4 * sizeof(float)) != 0)
+      if (!std::equal(&crop.rgba[4 * a], &crop.rgba[4 * a] + 4, &whole.rgba[4 * b], same))
         return testing::AssertionFailure() << "another colour at " << x << ", " << y << " of the crop";
-      if (!crop.depth.empty() && std::memcmp(&crop.depth[a], &whole.depth[b], sizeof(float)) != 0)
+      if (!crop.depth.empty() && !same(crop.depth[a], whole.depth[b]))
         return testing::AssertionFailure() << "another depth at " << x << ", " << y << " of the crop";
     }
   return testing::AssertionSuccess();
