@@ -220,7 +220,7 @@ TEST(Abuffer, CropEqualsThosePixelsOfTheFrame) {
   scene.film.crop_height = 22;
   const Image crop = render(scene);
   ASSERT_EQ(crop.width, 31);
-  EXPECT_TRUE(test::is_crop_of(crop, full));
+  EXPECT_TRUE(test::is_crop_of(crop, full, scene.film));
 }
 
 TEST(Abuffer, WhatDoesNotMoveIsTheStillImageBitForBit) {

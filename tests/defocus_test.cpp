@@ -172,7 +172,7 @@ TEST(Defocus, TheEyeAndTheFilmMoveWithTheLens) {
   EXPECT_GE(decibels(whole, reference(scene, 2)), 90.0);
   scene.film.crop_x = 11, scene.film.crop_y = 7, scene.film.crop_width = 30, scene.film.crop_height = 20;
   const Image crop = sampled(scene, 1);
-  EXPECT_TRUE(test::is_crop_of(crop, whole));
+  EXPECT_TRUE(test::is_crop_of(crop, whole, scene.film));
 }
 
 TEST(Defocus, PointsAreChosenFromTheCircleOfConfusion) {

@@ -285,7 +285,7 @@ TEST(ExactMeshes, HaveTheSameBitsHoweverTheyAreDrawn) {
   EXPECT_EQ(exact(scene).image.rgba, first.rgba);
   scene.film.crop_x = 13, scene.film.crop_y = 10, scene.film.crop_width = 30, scene.film.crop_height = 27;
   const Image crop = exact(scene).image;
-  EXPECT_TRUE(test::is_crop_of(crop, first));
+  EXPECT_TRUE(test::is_crop_of(crop, first, scene.film));
 }
 
 /// A row of a rolling shutter is that row of the scene exposed later.

@@ -193,7 +193,7 @@ TEST(ExactMix, HasTheSameBitsHoweverItIsDrawn) {
   EXPECT_EQ(exact(scene).image.rgba, first.rgba);
   scene.film.crop_x = 10, scene.film.crop_y = 8, scene.film.crop_width = 30, scene.film.crop_height = 33;
   const Image crop = exact(scene).image;
-  EXPECT_TRUE(test::is_crop_of(crop, first));
+  EXPECT_TRUE(test::is_crop_of(crop, first, scene.film));
 }
 
 /// Where nothing moves one instant is all there is.

@@ -308,7 +308,7 @@ TEST_F(GpuImage, ACropEqualsThosePixelsOfTheWholeFilm) {
   const Image crop = render(scene, six(2));
   ASSERT_EQ(crop.width, 30);
   ASSERT_EQ(crop.height, 19);
-  EXPECT_TRUE(test::is_crop_of(crop, whole));
+  EXPECT_TRUE(test::is_crop_of(crop, whole, scene.film));
 }
 
 TEST_F(GpuImage, TheSameSceneGivesTheSameBitsAgain) {

@@ -44,11 +44,13 @@ inline double decibels(const Image& image, const Image& reference) {
   return -20.0 * std::log10(std::max(difference_of(image, reference).color, 1e-9));
 }
 
-/// The crop's pixels and depths are those of the whole film, bit for bit.
-inline testing::AssertionResult is_crop_of(const Image& crop, const Image& whole) {
-  if (crop.pixel_count() == 0) return testing::AssertionFailure() << "an empty crop";
+/// The crop is the window that `film` asks for, and its pixels and depths are the whole's, bit for bit.
+inline testing::AssertionResult is_crop_of(const Image& crop, const Image& whole, const Film& film) {
+  if (crop.x != film.crop_x || crop.y != film.crop_y || crop.width != film.crop_width ||
+      crop.height != film.crop_height)
+    return testing::AssertionFailure() << "another window";
   const auto same = [](float a, float b) {
-    return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+    return a == b && std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
   };
   for (int y = 0; y < crop.height; ++y)
     for (int x = 0; x < crop.width; ++x) {

@@ -155,7 +155,7 @@ TEST(LensEstimate, CropsAndThreadsChangeNoBit) {
   EXPECT_EQ(render_sampled(scene, options, control)->image.rgba, whole.rgba);
   scene.film.crop_x = 50, scene.film.crop_y = 40, scene.film.crop_width = 33, scene.film.crop_height = 37;
   const Image crop = to_db(scene, 50.0).image;
-  EXPECT_TRUE(test::is_crop_of(crop, whole));
+  EXPECT_TRUE(test::is_crop_of(crop, whole, scene.film));
 }
 
 /// Triangles near and far, opaque and not, two meshes of them, which turn.

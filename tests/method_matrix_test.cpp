@@ -224,7 +224,7 @@ TEST(MethodMatrix, CropsAreThoseBits) {
         scene.film.crop_x = 9, scene.film.crop_y = 5, scene.film.crop_width = 14, scene.film.crop_height = 11;
         const Result<Rendered> crop = method.render(scene);
         ASSERT_TRUE(whole.ok() && crop.ok()) << effect.name << ", " << kind.name << ", " << method.name;
-        EXPECT_TRUE(test::is_crop_of(crop->image, whole->image))
+        EXPECT_TRUE(test::is_crop_of(crop->image, whole->image, scene.film))
             << effect.name << ", " << kind.name << ", " << method.name;
       }
 }

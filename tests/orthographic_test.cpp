@@ -107,7 +107,7 @@ TEST(Orthographic, EveryImplementationHasTheSameBits) {
   Scene crop = scene;
   crop.film.crop_x = 11, crop.film.crop_y = 7, crop.film.crop_width = 30, crop.film.crop_height = 20;
   const Image window = sampled(crop, 5);
-  EXPECT_TRUE(test::is_crop_of(window, first));
+  EXPECT_TRUE(test::is_crop_of(window, first, crop.film));
 }
 
 TEST(Orthographic, ADiscParallelToTheFilmIsTheSameAtAnyDepth) {

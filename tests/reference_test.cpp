@@ -325,7 +325,7 @@ TEST(Reference, CropIsAWindowOfTheWholeFilm) {
   ASSERT_EQ(crop.width, 37);
   ASSERT_EQ(crop.height, 21);
   EXPECT_EQ(crop.film_width, 48);
-  EXPECT_TRUE(test::is_crop_of(crop, whole));
+  EXPECT_TRUE(test::is_crop_of(crop, whole, film));
 }
 
 /// Hard streaks in many directions, side by side, so that coverage jumps at many unrelated instants.

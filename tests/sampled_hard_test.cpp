@@ -226,7 +226,7 @@ TEST(SampledHard, CropsAtTheFilmsBorders) {
     scene.film.crop_x = x, scene.film.crop_y = y;
     scene.film.crop_width = width, scene.film.crop_height = height;
     const Image crop = test::rendered(scene, 3).image;
-    EXPECT_TRUE(test::is_crop_of(crop, whole));
+    EXPECT_TRUE(test::is_crop_of(crop, whole, scene.film));
   }
 }
 

@@ -240,15 +240,13 @@ TEST(Sampled, TheSameBitsForAnyOrderOfPointsAndObjects) {
 
 TEST(Sampled, ACropIsThosePixelsOfTheWhole) {
   Scene scene = turning_ball();
-  scene.film = {200, 150, 0, 0, 0, 0};
   for (const SampledOptions& options : {instants(3), SampledOptions{}}) {
-    scene.film.crop_width = scene.film.crop_height = 0;
+    scene.film = {200, 150, 0, 0, 0, 0};
     const auto whole = render_sampled(scene, options);
     scene.film.crop_x = 61, scene.film.crop_y = 37, scene.film.crop_width = 71, scene.film.crop_height = 90;
     const auto crop = render_sampled(scene, options);
-    scene.film.crop_x = scene.film.crop_y = 0;
     ASSERT_TRUE(whole.ok() && crop.ok());
-    EXPECT_TRUE(test::is_crop_of(crop->image, whole->image));
+    EXPECT_TRUE(test::is_crop_of(crop->image, whole->image, scene.film));
   }
 }
 

@@ -157,7 +157,7 @@ TEST(SplatEngine, BitsDoNotDependOnInstructionsThreadsCropOrOrder) {
   cropped.film.crop_x = 50, cropped.film.crop_y = 30, cropped.film.crop_width = 45,
   cropped.film.crop_height = 60;
   const Image window = rendered(cropped).image;
-  EXPECT_TRUE(test::is_crop_of(window, image));
+  EXPECT_TRUE(test::is_crop_of(window, image, cropped.film));
 
   std::swap(scene.objects[0], scene.objects[1]);
   for (Object& object : scene.objects) {

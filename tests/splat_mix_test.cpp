@@ -162,7 +162,7 @@ TEST(SplatMix, BothMoveAndBitsDoNotDependOnInstructionsThreadsOrCrop) {
   cropped.film.crop_x = 70, cropped.film.crop_y = 40, cropped.film.crop_width = 20,
   cropped.film.crop_height = 30;
   const Image window = rendered(cropped).image;
-  EXPECT_TRUE(test::is_crop_of(window, result.image));
+  EXPECT_TRUE(test::is_crop_of(window, result.image, cropped.film));
 }
 
 TEST(SplatMix, DiscsThatMoveAmongStandingSplatsAreBlurred) {

@@ -19,11 +19,6 @@ inline Rendered rendered(const Scene& scene, const StochasticOptions& options, i
   return value_of(render_stochastic(scene, options, control));
 }
 
-inline Image reference_by_segments(const Scene& scene, int stills) {
-  // Triangles move on their true path either way, discs along their segments.
-  return reference(scene, stills, ReferenceMotion::segments);
-}
-
 inline double mean_difference(const Image& a, const Image& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.rgba.size(); ++i) sum += double{a.rgba[i]} - double{b.rgba[i]};

@@ -14,8 +14,8 @@
 namespace swept {
 namespace {
 
-using test::add_lens, test::expect_same_images, test::mean_difference, test::reference_by_segments,
-    test::rendered, test::soup, test::soup_scene;
+using test::add_lens, test::expect_same_images, test::mean_difference, test::rendered, test::soup,
+    test::soup_scene;
 
 TEST(Stochastic, ObeysMaxBytes) {
   Scene scene = test::busy_scene();
@@ -43,7 +43,8 @@ TEST(Stochastic, ObeysMaxBytes) {
 /// what may be left of it.
 void expect_converges(const Scene& scene, int stills, double most_at_1024, const char* what,
                       double share = 0.5) {
-  const Image truth = reference_by_segments(scene, stills);
+  // Triangles move on their true path either way, discs along their segments.
+  const Image truth = test::reference(scene, stills, ReferenceMotion::segments);
   const Image few = rendered(scene, {.samples = 64}).image, many = rendered(scene, {.samples = 1024}).image;
   const double at_64 = test::difference_of(few, truth).color,
                at_1024 = test::difference_of(many, truth).color;
@@ -230,7 +231,7 @@ TEST(Stochastic, HasTheSameBitsForThreadsCropsAndOrders) {
   EXPECT_EQ(rendered(scene, options).image.rgba, whole.rgba);
   scene.film.crop_x = 13, scene.film.crop_y = 7, scene.film.crop_width = 31, scene.film.crop_height = 29;
   const Image crop = rendered(scene, options).image;
-  EXPECT_TRUE(test::is_crop_of(crop, whole));
+  EXPECT_TRUE(test::is_crop_of(crop, whole, scene.film));
 }
 
 TEST(Stochastic, RefusesWhatItDoesNotDraw) {

@@ -139,7 +139,7 @@ TEST(Triangles, HaveTheSameBitsHoweverTheyAreDrawn) {
   EXPECT_EQ(rendered(scene, 6).image.rgba, first.image.rgba);
   scene.film.crop_x = 30, scene.film.crop_y = 10, scene.film.crop_width = 90, scene.film.crop_height = 77;
   const Image crop = rendered(scene, 6).image;
-  EXPECT_TRUE(test::is_crop_of(crop, first.image));
+  EXPECT_TRUE(test::is_crop_of(crop, first.image, scene.film));
 }
 
 /// A sheet of many triangles of all shapes covers every place once: no gap, and where it lets half of the
